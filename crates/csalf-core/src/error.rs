@@ -1,0 +1,18 @@
+//! What [`crate::mesh`] can fail with.
+
+/// Why there is no mesh.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum MeshError {
+    /// The input is invalid; every defect is listed.
+    #[error("the input is invalid: {}", .0.iter().map(|d| d.to_string()).collect::<Vec<_>>().join("; "))]
+    Invalid(Vec<csalf_geom::domain::Defect>),
+    /// A defect of this program: the stage and what it found. Please report it with the input.
+    #[error("internal error in stage {stage}: {detail}")]
+    Internal {
+        /// Stage of the pipeline.
+        stage: &'static str,
+        /// What was found.
+        detail: String,
+    },
+}

@@ -1,0 +1,23 @@
+//! What is to be meshed.
+
+use csalf_geom::Domain;
+use csalf_pave::LayerSpec;
+use csalf_sizemap::SizeSpec;
+
+/// A meshing job: the domain, the wanted sizes, the wanted layers. The program's own file format (JSON) reads and
+/// writes exactly this.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct Job {
+    /// Short name, used for file names and reports.
+    pub name: String,
+    /// One sentence for people.
+    pub about: String,
+    /// Loops, scars and points.
+    pub domain: Domain,
+    /// Wanted sizes.
+    pub size: SizeSpec,
+    /// Layers by pattern of names (`hole0`, `hole*`, `outer`, `scar1`); a later entry overrides an earlier one.
+    pub layers: Vec<(String, LayerSpec)>,
+    /// Circle (x, y, r) over which the local quality tau_l is reported.
+    pub local_region: Option<[f64; 3]>,
+}

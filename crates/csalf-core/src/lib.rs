@@ -1,0 +1,21 @@
+//! Layer 4 of csalf: the pipeline. [`mesh`] takes a [`Job`] and [`Options`] and returns a [`Meshed`] or a typed
+//! [`MeshError`]; everything below it is used through here.
+
+pub mod error;
+pub mod job;
+pub mod options;
+pub mod report;
+
+pub use error::MeshError;
+pub use job::Job;
+pub use options::{Method, Options, Preset};
+pub use report::{LoopReport, MeshReport, Meshed, Timing, Warning};
+
+/// Meshes a job.
+///
+/// # Errors
+/// [`MeshError::Invalid`] lists everything that is wrong with the input; [`MeshError::Internal`] is our fault.
+pub fn mesh(job: &Job, options: &Options) -> Result<Meshed, MeshError> {
+    let _ = (job, options);
+    Err(MeshError::Internal { stage: "skeleton", detail: "not built yet".into() })
+}

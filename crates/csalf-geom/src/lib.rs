@@ -1,0 +1,23 @@
+//! Layer 0 of csalf: points, typed indices, exact predicates, tolerances, contours and domains.
+//!
+//! Nothing in this crate knows of meshes. Conventions used by all of csalf:
+//!
+//! - Points are `f64`. A **loop** is a cyclic list of nodes v_0 .. v_{n-1}; segment i runs v_i → v_{i+1}.
+//! - **Material lies on the left**: the outer loop is counter-clockwise, hole loops are clockwise.
+//! - Interior angles are measured in the material, counter-clockwise from the outgoing to the incoming segment,
+//!   in (0, 2π] ([`angle::interior_angle`]).
+//! - Every decision on a *side* is made by [`predicates`]; a [`Tolerance`] may decide *merge*, never *side*.
+
+pub mod angle;
+pub mod domain;
+pub mod ids;
+pub mod polygon;
+pub mod predicates;
+pub mod tolerance;
+
+pub use domain::{Domain, HardPoint, Loop, LoopKind, Scar};
+pub use ids::{QuadId, VertexId};
+pub use tolerance::Tolerance;
+
+/// A point or vector in the plane, in model units.
+pub type Point2 = glam::DVec2;

@@ -1,0 +1,1 @@
+//! csalf-io (skeleton).

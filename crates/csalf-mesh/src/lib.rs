@@ -1,0 +1,15 @@
+//! Layer 2 of csalf: the shared nouns (meshes, contours, patches), their quality, and the seam behind which the
+//! meshers stand.
+//!
+//! - [`QuadMesh`]: points and quads, structure of arrays, nothing derived.
+//! - [`QuadTopology`]: twins, vertex stars and boundary of a mesh, built from it; knows no coordinates.
+//! - [`RegionMesher`]: the seam. A mesher sees a [`RegionTask`] (a contour as a ring of points) and returns a
+//!   [`Patch`] in names local to it; it never sees a mesh.
+
+pub mod mesher;
+pub mod quad_mesh;
+pub mod topology;
+
+pub use mesher::{Appraisal, Contour, NodeFlags, Patch, Refusal, RegionMesher, RegionTask};
+pub use quad_mesh::{NamedSets, QuadMesh};
+pub use topology::QuadTopology;

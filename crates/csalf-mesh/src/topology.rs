@@ -1,0 +1,132 @@
+//! Connectivity of a quad mesh, derived from it.
+//!
+//! ```text
+//!   side k of quad q runs q[k] → q[k+1]; its half-edge is 4q + k
+//!       3---2---2
+//!       |       |        next, prev and quad are arithmetic; only twins are stored
+//!       3   q   1
+//!       |       |
+//!       0---0---1
+//! ```
+
+use csalf_geom::VertexId;
+
+/// Twins, stars and boundary of an all-quad mesh. Built in O(n) from the quads; knows no coordinates.
+#[derive(Clone, Debug)]
+pub struct QuadTopology {
+    /// Twin of each half-edge `4 q + k`, or [`QuadTopology::NONE`] on the boundary.
+    pub twin: Vec<u32>,
+    /// Start of each vertex's slice in `star`; one entry more than vertices.
+    pub star_start: Vec<u32>,
+    /// Half-edges leaving each vertex, i.e. its quads with the vertex's corner: `4 q + corner`, ascending.
+    pub star: Vec<u32>,
+    /// True for vertices on a boundary half-edge.
+    pub on_boundary: Vec<bool>,
+    /// Number of edges that more than two quads share, or that two quads run along in the same direction. 0 in a
+    /// valid mesh; such half-edges have no twin.
+    pub n_bad_edges: usize,
+}
+
+impl QuadTopology {
+    /// No half-edge.
+    pub const NONE: u32 = u32::MAX;
+
+    /// Builds the topology. Every vertex index must be below `n_vertices`. Cost O(n); no hashing, so the result
+    /// depends on nothing but the input.
+    pub fn new(n_vertices: usize, quads: &[[VertexId; 4]]) -> Self {
+        let mut star_start = vec![0u32; n_vertices + 1];
+        for q in quads {
+            for v in q {
+                star_start[v.index() + 1] += 1;
+            }
+        }
+        for i in 0..n_vertices {
+            star_start[i + 1] += star_start[i];
+        }
+        let mut fill = star_start.clone();
+        let mut star = vec![0u32; 4 * quads.len()];
+        for (q, vs) in quads.iter().enumerate() {
+            for (k, v) in vs.iter().enumerate() {
+                let f = &mut fill[v.index()];
+                star[*f as usize] = (4 * q + k) as u32;
+                *f += 1;
+            }
+        }
+        let mut twin = vec![Self::NONE; 4 * quads.len()];
+        let mut on_boundary = vec![false; n_vertices];
+        let mut n_bad_edges = 0;
+        let head = |h: u32| quads[(h / 4) as usize][((h + 1) & 3) as usize];
+        let out = |v: usize| &star[star_start[v] as usize..star_start[v + 1] as usize];
+        for a in 0..n_vertices {
+            for &h in out(a) {
+                let b = head(h);
+                // Half-edges b → a are the candidates; exactly one makes a twin.
+                let mut found = Self::NONE;
+                let mut n = 0;
+                for &g in out(b.index()) {
+                    if head(g).index() == a {
+                        found = g;
+                        n += 1;
+                    }
+                }
+                let same = out(a).iter().filter(|&&g| head(g) == b).count();
+                if n == 1 && same == 1 {
+                    twin[h as usize] = found;
+                } else if n == 0 && same == 1 {
+                    on_boundary[a] = true;
+                    on_boundary[b.index()] = true;
+                } else {
+                    n_bad_edges += 1;
+                }
+            }
+        }
+        Self { twin, star_start, star, on_boundary, n_bad_edges }
+    }
+
+    /// The quads at `v`, as half-edges `4 q + corner`.
+    #[inline]
+    pub fn star(&self, v: VertexId) -> &[u32] {
+        &self.star[self.star_start[v.index()] as usize..self.star_start[v.index() + 1] as usize]
+    }
+
+    /// Number of quads at `v` (for an inner vertex this is its valence).
+    #[inline]
+    pub fn n_quads_at(&self, v: VertexId) -> usize {
+        (self.star_start[v.index() + 1] - self.star_start[v.index()]) as usize
+    }
+
+    /// Inner vertices whose valence is not 4, ascending.
+    pub fn irregular(&self) -> Vec<VertexId> {
+        (0..self.on_boundary.len())
+            .map(VertexId::new)
+            .filter(|&v| !self.on_boundary[v.index()] && !matches!(self.n_quads_at(v), 0 | 4))
+            .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn v(i: usize) -> VertexId {
+        VertexId::new(i)
+    }
+
+    #[test]
+    fn two_quads_share_an_edge() {
+        let q = [[v(0), v(1), v(4), v(3)], [v(1), v(2), v(5), v(4)]];
+        let t = QuadTopology::new(6, &q);
+        assert_eq!(t.twin[1], 7);
+        assert_eq!(t.twin[7], 1);
+        assert_eq!(t.twin.iter().filter(|&&h| h == QuadTopology::NONE).count(), 6);
+        assert!(t.on_boundary.iter().all(|&b| b));
+        assert_eq!(t.n_bad_edges, 0);
+        assert_eq!(t.n_quads_at(v(1)), 2);
+    }
+
+    #[test]
+    fn edges_run_twice_in_one_direction_are_bad() {
+        let q = [[v(0), v(1), v(2), v(3)], [v(0), v(1), v(4), v(5)]];
+        assert_eq!(QuadTopology::new(6, &q).n_bad_edges, 2);
+    }
+}

@@ -1,0 +1,24 @@
+//! The trait that all size fields obey.
+
+use csalf_geom::Point2;
+
+/// Remembers where the last query ended (the owner triangle), so that the next one nearby is cheap. A hint never
+/// changes a result. One hint serves one field.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Hint(pub u32);
+
+/// The wanted edge length h over the plane (the paper's grading g, eq. 18).
+///
+/// Implementations are pure: the same point gives the same bits, whatever was asked before.
+pub trait SizeField: Send + Sync + std::fmt::Debug {
+    /// Wanted edge length at `p`, in model units: finite and > 0 everywhere, also outside the domain.
+    fn h(&self, p: Point2, hint: &mut Hint) -> f64;
+
+    /// The value, if the field is the same everywhere: lets a mesher skip sampling.
+    fn constant(&self) -> Option<f64> {
+        None
+    }
+
+    /// Smallest and largest value that the field takes.
+    fn range(&self) -> (f64, f64);
+}

@@ -1,0 +1,1 @@
+//! csalf-tfi (skeleton).

@@ -1,0 +1,2 @@
+//! Developer tasks of csalf (skeleton).
+fn main() {}
