@@ -3,13 +3,18 @@
 //!
 //! - [`QuadMesh`]: points and quads, structure of arrays, nothing derived.
 //! - [`QuadTopology`]: twins, vertex stars and boundary of a mesh, built from it; knows no coordinates.
+//! - [`quality`] and [`validate()`]: how good a mesh is, and whether it is what was asked for.
 //! - [`RegionMesher`]: the seam. A mesher sees a [`RegionTask`] (a contour as a ring of points) and returns a
 //!   [`Patch`] in names local to it; it never sees a mesh.
 
 pub mod mesher;
 pub mod quad_mesh;
+pub mod quality;
 pub mod topology;
+pub mod validate;
 
 pub use mesher::{Appraisal, Contour, NodeFlags, Patch, Refusal, RegionMesher, RegionTask};
 pub use quad_mesh::{NamedSets, QuadMesh};
+pub use quality::QualityReport;
 pub use topology::QuadTopology;
+pub use validate::{Expectation, MeshDefect, certify, validate};

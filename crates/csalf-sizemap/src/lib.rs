@@ -6,6 +6,6 @@ pub mod line;
 pub mod spec;
 pub mod uniform;
 
-pub use spec::{SizeSpec, Source};
 pub use field::{Hint, SizeField};
+pub use spec::{SizeSpec, Source};
 pub use uniform::Uniform;
