@@ -9,6 +9,7 @@
 //! - Every decision on a *side* is made by [`predicates`]; a [`Tolerance`] may decide *merge*, never *side*.
 
 pub mod angle;
+pub mod cone;
 pub mod domain;
 pub mod ids;
 pub mod polygon;
