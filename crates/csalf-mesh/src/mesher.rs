@@ -149,7 +149,7 @@ pub enum Refusal {
 }
 
 /// A member of the triad (or a fallback): loop-paving, subdivision, transfinite interpolation.
-pub trait RegionMesher: Sync + std::fmt::Debug {
+pub trait RegionMesher: Send + Sync + std::fmt::Debug {
     /// Stable name, for traces, reports and the command line.
     fn name(&self) -> &'static str;
 

@@ -2,3 +2,11 @@
 
 pub mod bridge;
 pub mod functional;
+mod grid;
+pub mod recursion;
+pub mod split;
+mod view;
+
+pub use bridge::{BridgeError, Bridged, Walks, bridge};
+pub use recursion::{Subdivision, Tally};
+pub use split::SplitRules;

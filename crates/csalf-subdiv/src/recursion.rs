@@ -1,0 +1,364 @@
+//! Algorithm III: the recursion over one contour, on flat buffers.
+//!
+//! ```text
+//!   stack:  [ ... | right child | left child ]  ◀ top
+//!                                   │ 4 nodes: a quad; small: a closure stencil
+//!                                   │ a companion (transfinite interpolation) takes it whole
+//!                                   └ else: best split line, push right, push left
+//! ```
+//!
+//! 1. Pop the top contour.
+//! 2. Four nodes: emit the quad if it is strictly convex.
+//! 3. Ask the companions in order; the first that does not refuse fills the contour.
+//! 4. Split by the best line ([`crate::split`]), strict rules first, relaxed ones if nothing is found.
+//! 5. If there is none, or the quad of step 2 is not convex: the guaranteed fallback.
+//!
+//! With companions, step 4 looks one step ahead: of the best few splits, the one whose children the companions
+//! appraise best is taken (handbook 4.6).
+
+use crate::split::{LADDER, Split, SplitRules, Splitter, place, scaled_jacobian};
+use crate::view::{Nodes, View};
+use csalf_geom::Tolerance;
+use csalf_mesh::{Appraisal, Contour, Patch, Refusal, RegionMesher, RegionTask};
+use csalf_sizemap::{Hint, SizeField};
+use std::sync::Arc;
+
+/// What ended the contours of a recursion.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Tally {
+    /// Split lines drawn.
+    pub splits: usize,
+    /// Contours closed as a single quad or by a stencil.
+    pub closures: usize,
+    /// Contours taken by companions.
+    pub companions: usize,
+    /// Contours that went to the guaranteed fallback.
+    pub fallbacks: usize,
+}
+
+/// Subdivision as a member of the triad.
+///
+/// Contours of more than [`Self::seam`] nodes are split once and given back as two children, so that the caller
+/// can mesh them in parallel; smaller ones are finished inside, without an allocation per split.
+#[derive(Clone, Debug)]
+pub struct Subdivision {
+    rules: SplitRules,
+    companions: Vec<Arc<dyn RegionMesher>>,
+    seam: usize,
+}
+
+/// Contours above this size go back to the driver as two children. Smaller: more parallel tasks; larger: fewer
+/// allocations. Below 500 nodes the cost of the seam shows in the profile, above 4000 two threads run out of work.
+pub const SEAM: usize = 1000;
+
+/// Score of a child that no companion takes (handbook 4.6).
+const NO_PATTERN: f64 = 1.2;
+
+/// Smallest scaled Jacobian of an emitted quad; below it the contour is filled otherwise.
+const LEAST_SJ: f64 = 1e-4;
+
+impl Subdivision {
+    /// Subdivision alone (TriQuaMesh) with the given rules.
+    pub fn new(rules: SplitRules) -> Self {
+        Self { rules, companions: Vec::new(), seam: SEAM }
+    }
+
+    /// Adds a mesher that is asked before every split, after those added earlier.
+    pub fn with_companion(mut self, companion: Arc<dyn RegionMesher>) -> Self {
+        self.companions.push(companion);
+        self
+    }
+
+    /// Changes the seam size (mostly for tests); at least 16.
+    pub fn with_seam(mut self, seam: usize) -> Self {
+        self.seam = seam.max(16);
+        self
+    }
+
+    /// Fills a contour, or splits it once if it is above the seam size.
+    fn run(&self, task: &RegionTask<'_>) -> Result<(Patch, Tally), Refusal> {
+        let n = task.contour.len();
+        if n < 4 || n % 2 == 1 {
+            return Err(Refusal::NotApplicable);
+        }
+        let mut r = Recursion::new(self, task);
+        if n > self.seam {
+            r.split_once()
+        } else {
+            r.fill();
+        }
+        let tally = r.tally;
+        Ok((r.into_patch(), tally))
+    }
+
+    /// As [`RegionMesher::mesh`], with the tally of what ended the contours.
+    ///
+    /// # Errors
+    /// As [`RegionMesher::mesh`].
+    pub fn mesh_with_tally(&self, task: &RegionTask<'_>) -> Result<(Patch, Tally), Refusal> {
+        self.run(task)
+    }
+}
+
+impl RegionMesher for Subdivision {
+    fn name(&self) -> &'static str {
+        "subdivision"
+    }
+
+    fn appraise(&self, _: &RegionTask<'_>) -> Option<Appraisal> {
+        None // it takes everything, but cannot tell beforehand what will come out
+    }
+
+    fn mesh(&self, task: &RegionTask<'_>) -> Result<Patch, Refusal> {
+        self.run(task).map(|(patch, _)| patch)
+    }
+}
+
+/// One run over one task.
+struct Recursion<'a> {
+    rules: &'a SplitRules,
+    companions: &'a [Arc<dyn RegionMesher>],
+    size: &'a dyn SizeField,
+    tolerance: Tolerance,
+    /// Local patch name of each of the task's nodes: its first occurrence.
+    names: Vec<u32>,
+    n_ring: u32,
+    nodes: Nodes,
+    /// Contours waiting, the top one last, back to back.
+    stack: Vec<u32>,
+    frames: Vec<usize>,
+    quads: Vec<[u32; 4]>,
+    children: Vec<Vec<u32>>,
+    view: View,
+    splitter: Splitter,
+    scratch: Contour,
+    hint: Hint,
+    tally: Tally,
+}
+
+impl<'a> Recursion<'a> {
+    fn new(owner: &'a Subdivision, task: &RegionTask<'a>) -> Self {
+        let c = task.contour;
+        let n = c.len();
+        // Occurrences of one node become one node here.
+        let mut order: Vec<u32> = (0..n as u32).collect();
+        order.sort_unstable_by_key(|&i| (c.ids[i as usize], i));
+        let mut node_of = vec![0u32; n];
+        let mut nodes = Nodes::default();
+        let mut names = Vec::new();
+        for w in 0..n {
+            let i = order[w] as usize;
+            if w == 0 || c.ids[order[w - 1] as usize] != c.ids[i] {
+                names.push(i as u32);
+                nodes.push(c.points[i], c.sizes[i], c.flags[i]);
+            }
+            node_of[i] = names.len() as u32 - 1;
+        }
+        Self {
+            rules: &owner.rules,
+            companions: &owner.companions,
+            size: task.size,
+            tolerance: task.tolerance,
+            names,
+            n_ring: n as u32,
+            nodes,
+            stack: node_of,
+            frames: vec![0],
+            quads: Vec::new(),
+            children: Vec::new(),
+            view: View::default(),
+            splitter: Splitter::default(),
+            scratch: Contour::default(),
+            hint: Hint::default(),
+            tally: Tally::default(),
+        }
+    }
+
+    fn fill(&mut self) {
+        let mut contour = Vec::new();
+        while let Some(start) = self.frames.pop() {
+            contour.clear();
+            contour.extend_from_slice(&self.stack[start..]);
+            self.stack.truncate(start);
+            self.fill_one(&contour);
+        }
+    }
+
+    /// Steps 2 to 5 for one contour; children go onto the stack.
+    fn fill_one(&mut self, contour: &[u32]) {
+        if contour.len() <= 8 && self.close(contour) {
+            return;
+        }
+        if contour.len() > 4 {
+            if self.ask_companions(contour) {
+                self.tally.companions += 1;
+                return;
+            }
+            if let Some((left, right)) = self.split(contour) {
+                for child in [right, left] {
+                    self.frames.push(self.stack.len());
+                    self.stack.extend_from_slice(&child);
+                }
+                return;
+            }
+        }
+        self.fall_back(contour);
+    }
+
+    /// Emits a contour of four nodes as a quad.
+    fn close(&mut self, contour: &[u32]) -> bool {
+        let [a, b, c, d] = *contour else { return false };
+        let q = [a, b, c, d].map(|v| self.nodes.points[v as usize]);
+        let good = scaled_jacobian(&q) >= LEAST_SJ;
+        if good {
+            self.quads.push([a, b, c, d]);
+            self.tally.closures += 1;
+        }
+        good
+    }
+
+    /// The contour as the seam's type, in `scratch`; ids are nodes.
+    fn load_scratch(&mut self, contour: &[u32]) {
+        load(&mut self.scratch, contour, &self.nodes);
+    }
+
+    fn ask_companions(&mut self, contour: &[u32]) -> bool {
+        if self.companions.is_empty() {
+            return false;
+        }
+        self.load_scratch(contour);
+        for companion in self.companions {
+            let task = RegionTask { contour: &self.scratch, size: self.size, tolerance: self.tolerance };
+            if let Ok(patch) = companion.mesh(&task) {
+                self.take(contour, &patch);
+                return true;
+            }
+        }
+        false
+    }
+
+    /// Takes over a patch made for `contour`.
+    fn take(&mut self, contour: &[u32], patch: &Patch) {
+        let n = contour.len() as u32;
+        let base = self.nodes.points.len() as u32;
+        for &p in &patch.points {
+            let h = self.size.h(p, &mut self.hint);
+            self.nodes.push(p, h, Default::default());
+        }
+        let node = |name: u32| if name < n { contour[name as usize] } else { base + name - n };
+        self.quads.extend(patch.quads.iter().map(|q| q.map(node)));
+        for child in patch.children.iter().rev() {
+            self.frames.push(self.stack.len());
+            self.stack.extend(child.iter().map(|&name| node(name)));
+        }
+    }
+
+    /// The two children of the best split.
+    fn split(&mut self, contour: &[u32]) -> Option<(Vec<u32>, Vec<u32>)> {
+        self.view.load(contour, &self.nodes);
+        for strict in &LADDER {
+            self.splitter.search(&self.view, self.size, &mut self.hint, self.rules, strict);
+            let Some(best) = self.choose() else { continue };
+            let mut line = Vec::new();
+            place(&self.view, &best, &mut self.nodes, self.size, &mut self.hint, &mut line);
+            self.tally.splits += 1;
+            return Some(children(contour, &best, &line));
+        }
+        None
+    }
+
+    /// The best of the splits found, by lookahead where there are companions.
+    fn choose(&mut self) -> Option<Split> {
+        let found = &self.splitter.found;
+        let n = self.view.len();
+        if self.companions.is_empty() || found.len() < 2 || !(10..=2000).contains(&n) {
+            return found.first().copied();
+        }
+        let found = found.clone();
+        let contour = self.view.node.clone();
+        let mut best: Option<(f64, Split)> = None;
+        let mark = self.nodes.points.len();
+        for split in found {
+            let mut line = Vec::new();
+            place(&self.view, &split, &mut self.nodes, self.size, &mut self.hint, &mut line);
+            let (left, right) = children(&contour, &split, &line);
+            let total = (left.len() + right.len()) as f64;
+            let score = split.phi
+                + [left, right].iter().map(|c| c.len() as f64 / total * self.outlook(c)).sum::<f64>();
+            self.nodes.points.truncate(mark);
+            self.nodes.sizes.truncate(mark);
+            self.nodes.flags.truncate(mark);
+            if best.is_none_or(|b| score < b.0) {
+                best = Some((score, split));
+            }
+        }
+        best.map(|b| b.1)
+    }
+
+    /// How badly a child is expected to be filled: 0 perfect, [`NO_PATTERN`] if no companion takes it.
+    fn outlook(&mut self, contour: &[u32]) -> f64 {
+        if contour.len() == 4 {
+            let q = [0, 1, 2, 3].map(|i| self.nodes.points[contour[i] as usize]);
+            return 1.3 * (1.0 - scaled_jacobian(&q));
+        }
+        self.load_scratch(contour);
+        let task = RegionTask { contour: &self.scratch, size: self.size, tolerance: self.tolerance };
+        let score =
+            |a: Appraisal| 3.0 * ((1.0 - a.mean_sj) + 0.3 * (1.0 - a.min_sj) + 0.02 * a.n_irregular as f64);
+        self.companions.iter().filter_map(|c| c.appraise(&task)).map(score).fold(NO_PATTERN, f64::min)
+    }
+
+    fn split_once(&mut self) {
+        let contour = std::mem::take(&mut self.stack);
+        self.frames.clear();
+        match self.split(&contour) {
+            Some((left, right)) => self.children.extend([left, right]),
+            None => self.fall_back(&contour),
+        }
+    }
+
+    /// Step 5.
+    fn fall_back(&mut self, contour: &[u32]) {
+        self.load_scratch(contour);
+        self.tally.fallbacks += 1;
+        tracing::debug!(n_nodes = contour.len(), at = ?self.scratch.points[0], "guaranteed fallback");
+        // NOT YET: replaced when the fallback lands.
+        self.children.push(contour.to_vec());
+    }
+
+    /// Local names for everything.
+    fn into_patch(self) -> Patch {
+        let n_named = self.names.len() as u32;
+        let name = |v: u32| if v < n_named { self.names[v as usize] } else { self.n_ring + v - n_named };
+        Patch {
+            quads: self.quads.iter().map(|q| q.map(name)).collect(),
+            children: self.children.iter().map(|c| c.iter().map(|&v| name(v)).collect()).collect(),
+            points: self.nodes.points[n_named as usize..].to_vec(),
+        }
+    }
+}
+
+fn load(into: &mut Contour, contour: &[u32], nodes: &Nodes) {
+    into.points.clear();
+    into.ids.clear();
+    into.sizes.clear();
+    into.flags.clear();
+    for &v in contour {
+        let i = v as usize;
+        into.push(nodes.points[i], v, nodes.sizes[i], nodes.flags[i]);
+    }
+}
+
+/// C_L = j .. k and the line backwards; C_R = k .. j and the line forwards.
+fn children(contour: &[u32], split: &Split, line: &[u32]) -> (Vec<u32>, Vec<u32>) {
+    let (j, k) = (split.j, split.k);
+    let mut left = contour[j..=k].to_vec();
+    left.extend(line.iter().rev());
+    let mut right = contour[k..].to_vec();
+    right.extend_from_slice(&contour[..=j]);
+    right.extend_from_slice(line);
+    (left, right)
+}
+
+#[cfg(test)]
+mod tests;
