@@ -1,5 +1,18 @@
 //! Layer 3 of csalf: loop-paving, the structured rings of quads around boundary loops.
+//!
+//! - [`front`]: the six loop fronts of Table I; [`classify`]: which node gets which.
+//! - [`place`]: where their new nodes go; [`laws`]: how thick the layers are.
+//! - [`ring`]: the ring of a whole loop as connectivity, with no closure needed.
 
+pub mod classify;
+pub mod front;
+pub mod laws;
+pub mod place;
+pub mod ring;
+pub mod shape;
 pub mod spec;
 
+pub use front::Front;
+pub use place::PavingRules;
+pub use ring::{NoRing, Ring, Role};
 pub use spec::{LayerLaw, LayerSpec};
