@@ -1,11 +1,20 @@
 //! Layer 1 of csalf: how large the quads shall be. The grading field g = Γ(x, y) of the paper (eq. 18) is a
-//! [`SizeField`]; [`uniform::Uniform`] is the simplest one.
+//! [`SizeField`]; [`build()`] makes one from a [`SizeSpec`] and the loops of a domain.
 
+pub mod background;
+pub mod build;
+pub mod error;
 pub mod field;
 pub mod line;
+pub mod sources;
 pub mod spec;
+mod triangulate;
 pub mod uniform;
 
+pub use background::Background;
+pub use build::{Extras, build};
+pub use error::SizeError;
 pub use field::{Hint, SizeField};
+pub use sources::Sources;
 pub use spec::{SizeSpec, Source};
 pub use uniform::Uniform;

@@ -1,0 +1,257 @@
+//! How a [`Background`] is made: points merged and scaled, triangulated, told inside from outside, put in order.
+
+use super::{Background, Node, Triangle};
+use crate::SizeError;
+use crate::error::check_size;
+use crate::triangulate::{self, NONE, Triangulation};
+use csalf_geom::{Point2, polygon::bounds, predicates::orient2d};
+use rstar::RTree;
+use rstar::primitives::GeomWithData;
+use std::sync::OnceLock;
+use std::sync::atomic::AtomicU32;
+
+/// Grid cells per triangle. More: shorter walks, more memory (4 bytes each).
+const CELLS_PER_TRIANGLE: usize = 2;
+
+impl Background {
+    /// Constrained Delaunay triangulation of `points` with `values`; `loops` are closed lists of point indices
+    /// (either orientation) that bound the domain: the field is linear inside and takes the nearest boundary
+    /// value outside. Equal points become one, with the smallest of their values. O(n log n).
+    ///
+    /// # Errors
+    /// [`SizeError`] of a bad point, a bad value, an index out of range, or a domain without area.
+    pub fn from_points(points: &[Point2], values: &[f64], loops: &[Vec<u32>]) -> Result<Self, SizeError> {
+        let sides = loops
+            .iter()
+            .enumerate()
+            .flat_map(|(k, l)| (0..l.len()).map(move |i| (k, [l[i], l[(i + 1) % l.len()]])));
+        let Prepared { scale, points: distinct, values, name } = prepare(points, values, "background node")?;
+        let sides = sides
+            .map(|(k, s)| rename(s, &name).map_err(|node| bad(k, node, points.len())))
+            .collect::<Result<Vec<_>, _>>()?;
+        let t = triangulate::triangulate(&distinct, &sides)?;
+        let inside = triangulate::inside_loops(&t, &sides);
+        Self::assemble(scale, &distinct, &values, &t, &inside)
+    }
+
+    /// The field of a triangulation of the caller's: exactly its triangles, whatever their orientation. A broken
+    /// one is repaired: where triangles overlap or nodes hang on sides, the points are triangulated again with as
+    /// many of the sides as do not cross. Equal points become one, with the smallest of their values. Nodes of no
+    /// triangle take no part. O(n log n).
+    ///
+    /// # Errors
+    /// [`SizeError`] of a bad point, a bad value, an index out of range, or no triangle of positive area.
+    pub fn from_triangles(
+        points: &[Point2],
+        triangles: &[[u32; 3]],
+        values: &[f64],
+    ) -> Result<Self, SizeError> {
+        let Prepared { scale, points: mut distinct, mut values, name } =
+            prepare(points, values, "background node")?;
+        let mut wanted = Vec::with_capacity(triangles.len());
+        for (k, t) in triangles.iter().enumerate() {
+            wanted.push(rename(*t, &name).map_err(|node| bad(k, node, points.len()))?);
+        }
+        wanted.retain(|&[a, b, c]| orient2d(at(&distinct, a), at(&distinct, b), at(&distinct, c)) != 0.0);
+        // Only nodes in use, renumbered.
+        let mut new = vec![NONE; distinct.len()];
+        wanted.iter().flatten().for_each(|&v| new[v as usize] = 0);
+        let mut n = 0;
+        for (old, v) in new.iter_mut().enumerate() {
+            if *v == 0 {
+                (distinct[n], values[n], *v) = (distinct[old], values[old], n as u32);
+                n += 1;
+            }
+        }
+        distinct.truncate(n);
+        values.truncate(n);
+        wanted.iter_mut().flatten().for_each(|v| *v = new[*v as usize]);
+
+        let mut sides: Vec<[u32; 2]> = wanted
+            .iter()
+            .flat_map(|t| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]])
+            .map(|[a, b]| [a.min(b), a.max(b)])
+            .collect();
+        sides.sort_unstable();
+        sides.dedup();
+        let t = triangulate::triangulate(&distinct, &sides)?;
+        let inside = covered(&t, &wanted, &distinct);
+        Self::assemble(scale, &distinct, &values, &t, &inside)
+    }
+
+    fn assemble(
+        scale: f64,
+        points: &[Point2],
+        values: &[f64],
+        t: &Triangulation,
+        inside: &[bool],
+    ) -> Result<Self, SizeError> {
+        let Some((low, high)) = bounds(points.iter().copied()) else { return Err(SizeError::NoArea) };
+        let n = t.corners.len();
+        let n_inside = inside.iter().filter(|&&i| i).count();
+        if n_inside == 0 {
+            return Err(SizeError::NoArea);
+        }
+        let order = spatial_order(t, inside, points, low, high);
+        let mut new = vec![0u32; n];
+        for (k, &old) in order.iter().enumerate() {
+            new[old as usize] = k as u32;
+        }
+        let triangles: Vec<_> = order
+            .iter()
+            .map(|&old| Triangle {
+                corners: t.corners[old as usize],
+                across: t.across[old as usize].map(|j| if j == NONE { NONE } else { new[j as usize] }),
+            })
+            .collect();
+        let nodes: Vec<_> = points.iter().zip(values).map(|(&p, &h)| Node { p, h }).collect();
+        let mut used = vec![false; nodes.len()];
+        let mut range = (f64::INFINITY, 0.0f64);
+        for v in triangles[..n_inside].iter().flat_map(|t| t.corners) {
+            used[v as usize] = true;
+            let h = nodes[v as usize].h;
+            range = (range.0.min(h), range.1.max(h));
+        }
+        // A grid of square cells, about CELLS_PER_TRIANGLE per triangle.
+        let size = high - low;
+        let wanted = (CELLS_PER_TRIANGLE * n).clamp(16, 1 << 22) as f64;
+        let cell = (size.x * size.y / wanted).sqrt().max(size.max_element() / 4096.0);
+        let count = |l: f64| ((l / cell).ceil().clamp(1.0, 4096.0)) as u32;
+        let (columns, rows) = (count(size.x), count(size.y));
+        let mut out = Self {
+            nodes,
+            triangles,
+            n_inside: n_inside as u32,
+            scale,
+            low,
+            high,
+            range,
+            cells: (0..columns as usize * rows as usize).map(|_| AtomicU32::new(NONE)).collect(),
+            columns,
+            rows,
+            per_unit: Point2::splat(1.0 / cell),
+            centroids: OnceLock::new(),
+            rim: OnceLock::new(),
+        };
+        // Nodes outside the domain (of no triangle in it) get the value that any point outside gets.
+        for v in (0..used.len()).filter(|&v| !used[v]) {
+            out.nodes[v].h = out.outside(out.nodes[v].p);
+        }
+        Ok(out)
+    }
+}
+
+fn at(points: &[Point2], i: u32) -> Point2 {
+    points[i as usize]
+}
+
+fn bad(triangle: usize, node: u32, n_points: usize) -> SizeError {
+    SizeError::BadTriangle { triangle, node, n_points }
+}
+
+/// New names of some points; the first that does not exist as error.
+fn rename<const N: usize>(list: [u32; N], name: &[u32]) -> Result<[u32; N], u32> {
+    match list.iter().find(|&&v| v as usize >= name.len()) {
+        Some(&v) => Err(v),
+        None => Ok(list.map(|v| name[v as usize])),
+    }
+}
+
+/// Distinct nodes.
+struct Prepared {
+    /// Power of two that the points are multiplied by.
+    scale: f64,
+    /// Distinct scaled points, in order of first occurrence.
+    points: Vec<Point2>,
+    /// Their values.
+    values: Vec<f64>,
+    /// Per point of the caller, which distinct one it is.
+    name: Vec<u32>,
+}
+
+/// Checks points and values, scales the points and merges equal ones.
+fn prepare(points: &[Point2], values: &[f64], what: &'static str) -> Result<Prepared, SizeError> {
+    if points.len() != values.len() {
+        return Err(SizeError::Lengths { n_points: points.len(), n_values: values.len() });
+    }
+    // A hull of n nodes has up to 2 n triangles.
+    if points.len() > NONE as usize / 2 - 1 {
+        return Err(SizeError::TooMany(points.len()));
+    }
+    if let Some(index) = points.iter().position(|p| !p.is_finite()) {
+        return Err(SizeError::BadPoint { what, index });
+    }
+    for (i, &h) in values.iter().enumerate() {
+        check_size(what, i, h)?;
+    }
+    let scale = triangulate::scale_of(points);
+    let scaled: Vec<_> = points.iter().map(|&p| triangulate::normalised(p, scale)).collect();
+    let (name, first) = triangulate::merge(&scaled);
+    let distinct: Vec<_> = first.iter().map(|&i| scaled[i as usize]).collect();
+    let mut merged = vec![f64::INFINITY; distinct.len()];
+    for (i, &h) in values.iter().enumerate() {
+        let m = &mut merged[name[i] as usize];
+        *m = m.min(h);
+    }
+    Ok(Prepared { scale, points: distinct, values: merged, name })
+}
+
+/// Which triangles of `t` are wanted ones, or parts of them (their centroid lies in one).
+fn covered(t: &Triangulation, wanted: &[[u32; 3]], points: &[Point2]) -> Vec<bool> {
+    let key = |c: &[u32; 3]| {
+        let mut c = *c;
+        c.sort_unstable();
+        c
+    };
+    let mut sorted: Vec<_> = wanted.iter().map(key).collect();
+    sorted.sort_unstable();
+    let mut inside: Vec<_> = t.corners.iter().map(|c| sorted.binary_search(&key(c)).is_ok()).collect();
+    // Of a valid triangulation, all of it is there now.
+    sorted.dedup();
+    if inside.iter().filter(|&&i| i).count() == sorted.len() {
+        return inside;
+    }
+    let boxes = wanted.iter().map(|w| {
+        let [a, b, c] = w.map(|v| at(points, v));
+        let (lo, hi) = (a.min(b).min(c), a.max(b).max(c));
+        GeomWithData::new(rstar::primitives::Rectangle::from_corners(lo.to_array(), hi.to_array()), *w)
+    });
+    let tree = RTree::bulk_load(boxes.collect());
+    for (i, c) in t.corners.iter().enumerate().filter(|(i, _)| !inside[*i]).collect::<Vec<_>>() {
+        let m = c.iter().map(|&v| at(points, v)).sum::<Point2>() / 3.0;
+        inside[i] = tree.locate_all_at_point([m.x, m.y]).any(|r| {
+            let [a, b, c] = r.data.map(|v| at(points, v));
+            let o = [orient2d(a, b, m), orient2d(b, c, m), orient2d(c, a, m)];
+            o.iter().all(|&o| o >= 0.0) || o.iter().all(|&o| o <= 0.0)
+        });
+    }
+    inside
+}
+
+/// Triangles of the domain first, each group along a Morton curve: neighbours in the plane are neighbours in
+/// memory.
+fn spatial_order(
+    t: &Triangulation,
+    inside: &[bool],
+    points: &[Point2],
+    low: Point2,
+    high: Point2,
+) -> Vec<u32> {
+    let to_cell = 65535.0 / (high - low).max_element();
+    let spread = |x: f64| {
+        let mut v = x as u32 & 0xffff;
+        v = (v | v << 8) & 0x00ff_00ff;
+        v = (v | v << 4) & 0x0f0f_0f0f;
+        v = (v | v << 2) & 0x3333_3333;
+        (v | v << 1) & 0x5555_5555
+    };
+    let mut keys: Vec<(bool, u32, u32)> = (0..t.corners.len())
+        .map(|i| {
+            let m = t.corners[i].iter().map(|&v| at(points, v)).sum::<Point2>() / 3.0;
+            let u = (m - low) * to_cell;
+            (!inside[i], spread(u.x) | spread(u.y) << 1, i as u32)
+        })
+        .collect();
+    keys.sort_unstable();
+    keys.into_iter().map(|k| k.2).collect()
+}
