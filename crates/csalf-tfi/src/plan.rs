@@ -1,0 +1,262 @@
+//! Chooses corners, pattern, rotation and chord counts for a contour, by a ladder of ever dearer tests.
+//!
+//! ```text
+//!   contour ─▶ survey ─▶ interpretations ─▶ pattern x rotation x chords ─▶ coarse trials ─▶ ranked plans
+//!              5 ns/node   best few by angles   best few by forecast          ~10 us each
+//! ```
+//!
+//! 1. [`Survey`] refuses most contours in one pass.
+//! 2. The cheapest interpretations are matched with all patterns of their number of corners, in all rotations.
+//! 3. Each solution of the chord system is forecast: Tutte positions of the inner pattern vertices, misfit of the
+//!    edge lengths to x h, corner angles of the pattern quads.
+//! 4. The best forecasts are tried with at most [`COARSE`] subdivisions per chord and measured (handbook 5.6).
+
+use crate::corners::{Interpretation, Survey, along};
+use crate::fill::{Filler, tutte};
+use crate::pattern::{Chords, MAX_CHORDS, MAX_SIDES, MAX_VERTICES, Pattern};
+use crate::quality::{shape, size_errors};
+use crate::rules::{TfiMode, TfiRules};
+use crate::table::patterns;
+use csalf_geom::Point2;
+use csalf_mesh::{Appraisal, RegionTask};
+use csalf_sizemap::Hint;
+
+/// Most subdivisions of a chord in a coarse trial.
+const COARSE: u32 = 4;
+/// Most interpretations that are matched with patterns.
+const MAX_INTERPRETATIONS: usize = 6;
+/// Most coarse trials.
+const MAX_TRIALS: usize = 8;
+/// Most chord solutions that are forecast per pattern and rotation.
+const MAX_SOLUTIONS: usize = 48;
+
+/// A way to fill the contour, with its forecast.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// The pattern.
+    pub pattern: &'static Pattern,
+    /// Subdivisions per chord.
+    pub x: Chords,
+    /// Occurrence of the pattern's boundary vertex 0.
+    pub start: u32,
+    /// Smallest angle of a chosen corner, degrees.
+    pub sharpest: f64,
+    /// Forecast misfit: lower is better.
+    pub misfit: f64,
+    /// Forecast from the coarse trial.
+    pub appraisal: Appraisal,
+}
+
+impl Plan {
+    /// Handbook 5.6: mean SJ + 0.5 min SJ - 0.15 ln(largest size error) - 0.02 per irregular vertex.
+    pub fn score(&self) -> f64 {
+        let a = &self.appraisal;
+        a.mean_sj + 0.5 * a.min_sj - 0.15 * a.worst_size_error.ln() - 0.02 * f64::from(a.n_irregular)
+    }
+
+    /// True if the rules accept a patch like the forecast. `slack` (0 to 1) weakens the thresholds of shape: the
+    /// coarse trial is a forecast only.
+    pub fn accepted(&self, rules: &TfiRules, n: usize, slack: f64) -> bool {
+        let a = &self.appraisal;
+        a.min_sj >= rules.floor(n, self.sharpest) * (1.0 - slack)
+            && a.mean_sj >= rules.mean_sj * (1.0 - 0.5 * slack)
+            && a.size_error <= rules.size_error
+            && a.worst_size_error <= rules.worst_size_error
+    }
+}
+
+/// All plans worth a thought, best first by score.
+pub fn plans(task: &RegionTask<'_>, rules: &TfiRules, filler: &mut Filler) -> Vec<Plan> {
+    let c = task.contour;
+    let n = c.len();
+    let Some(survey) = Survey::new(c, rules.reflex) else { return Vec::new() };
+    let paper = rules.mode == TfiMode::Paper;
+    if paper && !survey.convex {
+        return Vec::new();
+    }
+    let mut best: [Option<Interpretation>; MAX_INTERPRETATIONS] = [None; MAX_INTERPRETATIONS];
+    survey.interpretations(n, &mut |i| {
+        let ranked = |i: &Interpretation| i.cost + 0.25 * (i.n as f64 - 4.0).abs();
+        if paper && i.n != 4 {
+            return;
+        }
+        if let Some(k) = best.iter().position(|b| b.is_none_or(|b| ranked(&i) < ranked(&b))) {
+            best[k..].rotate_right(1);
+            best[k] = Some(i);
+        }
+    });
+    let mut found: Vec<Plan> = Vec::new();
+    for i in best.iter().flatten() {
+        if i.n == 0 {
+            disks(task, rules, i, &mut found);
+        } else {
+            match_patterns(task, rules, i, &mut found);
+        }
+    }
+    found.sort_by(|a, b| a.misfit.total_cmp(&b.misfit));
+    found.truncate(MAX_TRIALS);
+    for p in &mut found {
+        try_coarse(task, p, filler);
+    }
+    found.sort_by(|a, b| b.score().total_cmp(&a.score()));
+    found
+}
+
+fn match_patterns(task: &RegionTask<'_>, rules: &TfiRules, i: &Interpretation, found: &mut Vec<Plan>) {
+    let n = task.contour.len();
+    let sides = i.sides(n);
+    for pattern in patterns(i.n) {
+        if rules.mode == TfiMode::Paper && pattern.n_irregular > 0 {
+            continue;
+        }
+        let turns = if pattern.is_rotation_of(pattern, pattern.sides.get(1).map_or(0, |&s| s as usize)) {
+            1
+        } else {
+            i.n
+        };
+        for r in 0..turns {
+            let mut s = [0; MAX_SIDES];
+            (0..i.n).for_each(|k| s[k] = sides[(k + r) % i.n]);
+            collect(task, rules, pattern, &s[..i.n], i.corners[r], 1, i, found);
+        }
+    }
+}
+
+/// The disk pattern has no corners: its centre block may be turned and have any proportion.
+fn disks(task: &RegionTask<'_>, rules: &TfiRules, i: &Interpretation, found: &mut Vec<Plan>) {
+    let n = task.contour.len() as u32;
+    if n < 4 || rules.mode == TfiMode::Paper {
+        return;
+    }
+    let half = n / 2;
+    let rings = (f64::from(n) / 16.0).round().max(1.0) as u32;
+    for pattern in patterns(0) {
+        for a in [n / 4, half / 3, half / 4] {
+            if a < 1 || half <= a {
+                continue;
+            }
+            let b = half - a;
+            let period = if a == b { a } else { half };
+            let step = (period / 8).max(1);
+            for o in (0..period).step_by(step as usize) {
+                for m in [rings, rings + 1] {
+                    collect(task, rules, pattern, &[a, b, a, b], o, m, i, found);
+                }
+            }
+        }
+    }
+}
+
+/// Forecasts the solutions of one pattern in one rotation and keeps the best two.
+#[expect(clippy::too_many_arguments, reason = "one call deep, all different")]
+fn collect(
+    task: &RegionTask<'_>,
+    rules: &TfiRules,
+    pattern: &'static Pattern,
+    sides: &[u32],
+    start: u32,
+    closed: u32,
+    i: &Interpretation,
+    found: &mut Vec<Plan>,
+) {
+    let first = found.len();
+    pattern.solve(sides, closed, MAX_SOLUTIONS, &mut |x| {
+        let n_quads = pattern.n_quads(x);
+        if n_quads > rules.most_quads {
+            return;
+        }
+        let misfit = i.cost + 0.1 * pattern.n_irregular as f64 + forecast(task, pattern, x, start);
+        let plan = Plan {
+            pattern,
+            x: *x,
+            start,
+            sharpest: i.sharpest,
+            misfit,
+            appraisal: Appraisal {
+                min_sj: -1.0,
+                mean_sj: -1.0,
+                n_irregular: pattern.n_irregular as u32,
+                n_quads: n_quads as u32,
+                size_error: f64::MAX,
+                worst_size_error: f64::MAX,
+            },
+        };
+        if found.len() < first + 2 {
+            found.push(plan);
+        } else {
+            let worst = if found[first].misfit > found[first + 1].misfit { first } else { first + 1 };
+            if misfit < found[worst].misfit {
+                found[worst] = plan;
+            }
+        }
+    });
+}
+
+/// Misfit of one solution: mean squared log of (edge length / (x h)) over the inner pattern edges, and the lack of
+/// scaled Jacobian of the pattern quads. 0 for a single block.
+fn forecast(task: &RegionTask<'_>, pattern: &Pattern, x: &Chords, start: u32) -> f64 {
+    let nb = pattern.n_boundary;
+    if pattern.edges.len() == nb {
+        return 0.0;
+    }
+    let p = &task.contour.points;
+    let mut xy = [Point2::ZERO; MAX_VERTICES];
+    let mut at = start as usize;
+    for (k, v) in xy.iter_mut().enumerate().take(nb) {
+        *v = p[at % p.len()];
+        at += x[pattern.chord[k] as usize] as usize;
+    }
+    let mut hint = Hint::default();
+    tutte(pattern, x, &mut xy, None, &mut hint);
+    let mut sum = 0.0;
+    let mut weight = 0.0;
+    for e in nb..pattern.edges.len() {
+        let [a, b] = pattern.edges[e].map(|v| xy[v as usize]);
+        let m = f64::from(x[pattern.chord[e] as usize]);
+        let h = task.size.h(a.midpoint(b), &mut hint);
+        let r = (a.distance(b).max(f64::MIN_POSITIVE) / (m * h)).ln();
+        sum += r * r;
+        weight += 1.0;
+    }
+    let mut bad = 0.0;
+    for q in &pattern.quads {
+        let p = q.map(|v| xy[v as usize]);
+        for k in 0..4 {
+            let (u, v) = (p[(k + 1) % 4] - p[k], p[(k + 3) % 4] - p[k]);
+            let ll = (u.length_squared() * v.length_squared()).sqrt();
+            let s = if ll > 0.0 { u.perp_dot(v) / ll } else { 0.0 };
+            bad += (1.0 - s) * (1.0 - s);
+        }
+    }
+    sum / weight + bad / (4.0 * pattern.quads.len() as f64)
+}
+
+/// Fills a coarse copy and measures it.
+fn try_coarse(task: &RegionTask<'_>, plan: &mut Plan, filler: &mut Filler) {
+    let pattern = plan.pattern;
+    let p = &task.contour.points;
+    let mut x: Chords = [0; MAX_CHORDS];
+    (0..pattern.n_chords).for_each(|c| x[c] = plan.x[c].min(COARSE));
+    let mut at = f64::from(plan.start);
+    let ring = (0..pattern.n_boundary).flat_map(|e| {
+        let c = pattern.chord[e] as usize;
+        let (from, step, m) = (at, f64::from(plan.x[c]) / f64::from(x[c]), x[c]);
+        at += f64::from(plan.x[c]);
+        (0..m).map(move |i| along(p, from + step * f64::from(i)))
+    });
+    filler.fill(pattern, &x, ring, task.size, &plan.x);
+    let n = filler.n_ring();
+    if pattern.n_irregular > 0 {
+        filler.relax(n, 6);
+    }
+    let s = shape(&filler.points, &filler.quads);
+    let mut share = Vec::with_capacity(filler.quads.len());
+    for s in &pattern.quad_edges {
+        let c = [0, 1].map(|k| pattern.chord[s[k].0 as usize] as usize);
+        let f = c.map(|c| f64::from(x[c]) / f64::from(plan.x[c]));
+        share.resize(share.len() + (x[c[0]] * x[c[1]]) as usize, f[0] * f[1]);
+    }
+    let (mean, worst) = size_errors(&filler.points, &filler.quads, task.size, usize::MAX, |q| share[q]);
+    let a = &mut plan.appraisal;
+    (a.min_sj, a.mean_sj, a.size_error, a.worst_size_error) = (s.min_sj, s.mean_sj, mean, worst);
+}
