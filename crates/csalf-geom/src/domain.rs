@@ -2,6 +2,8 @@
 
 use crate::Point2;
 
+pub use crate::defect::Defect;
+
 /// What a loop bounds.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum LoopKind {
@@ -81,18 +83,4 @@ impl Domain {
         self.points.push(HardPoint { name: format!("point{}", self.points.len()), xy, size: None });
         self
     }
-}
-
-/// One thing that is wrong with a domain, with the place of the fault.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum Defect {
-    /// A loop with fewer than three nodes.
-    #[error("{loop_name} has {n_nodes} nodes; a loop needs at least 3")]
-    TooFewNodes {
-        /// Name of the loop.
-        loop_name: String,
-        /// How many it has.
-        n_nodes: usize,
-    },
 }

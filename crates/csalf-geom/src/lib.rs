@@ -9,13 +9,21 @@
 //! - Every decision on a *side* is made by [`predicates`]; a [`Tolerance`] may decide *merge*, never *side*.
 
 pub mod angle;
+pub mod arrangement;
+mod boxtree;
+mod check;
 pub mod cone;
+pub mod defect;
 pub mod domain;
+mod graph;
 pub mod ids;
+mod parity;
 pub mod polygon;
 pub mod predicates;
 pub mod tolerance;
 
+pub use arrangement::{Arrangement, CheckOptions, Region};
+pub use defect::{Defect, Place};
 pub use domain::{Domain, HardPoint, Loop, LoopKind, Scar};
 pub use ids::{QuadId, VertexId};
 pub use tolerance::Tolerance;
