@@ -96,6 +96,16 @@ impl std::fmt::Debug for Background {
 }
 
 impl Background {
+    /// The same mesh with other values, one per node, which must be sizes.
+    pub(crate) fn with_values(mut self, values: &[f64]) -> Self {
+        debug_assert!(values.len() == self.nodes.len() && values.iter().all(|h| *h > 0.0), "not sizes");
+        for (n, &h) in self.nodes.iter_mut().zip(values) {
+            n.h = h;
+        }
+        self.settle();
+        self
+    }
+
     /// Number of triangles in the domain.
     pub fn n_triangles(&self) -> usize {
         self.n_inside as usize

@@ -12,8 +12,9 @@
 //! points alone if there is none.
 
 use crate::error::check_size;
-use crate::{Background, SizeError, SizeField, SizeSpec, Sources, Uniform};
-use csalf_geom::{Point2, Tolerance};
+use crate::gradation::graded;
+use crate::{Background, Hint, SizeError, SizeField, SizeSpec, Sources, Uniform};
+use csalf_geom::{Point2, Tolerance, polygon::bounds};
 use std::sync::Arc;
 
 /// Growth of the wanted length per length, where hard points need one and none is given: neighbouring edges differ
@@ -47,14 +48,15 @@ pub fn build(
         return Err(SizeError::BadGradation(g));
     }
     let base: Arc<dyn SizeField> = match spec {
-        SizeSpec::Boundary => Arc::new(of_boundary(loops)?),
+        SizeSpec::Boundary => limited(of_boundary(loops)?, loops, &[], extras.gradation)?,
         SizeSpec::Uniform { h } => {
             check_size("uniform size", 0, *h)?;
             Arc::new(Uniform(*h))
         }
         SizeSpec::Sources { far, sources } => Arc::new(Sources::new(*far, sources, extras.gradation)?),
         SizeSpec::Background { points, triangles, values } => {
-            Arc::new(Background::from_triangles(points, triangles, values)?)
+            let base = Background::from_triangles(points, triangles, values)?;
+            limited(base, loops, points, extras.gradation)?
         }
     };
     if extras.hard_points.is_empty() {
@@ -62,6 +64,25 @@ pub fn build(
     }
     let g = extras.gradation.unwrap_or(DEFAULT_GRADATION);
     Ok(Arc::new(Sources::hard_points(base, extras.hard_points, g)?))
+}
+
+/// `base` itself, or its gradation limit on a mesh of the loops and of the points that carry its features.
+fn limited(
+    base: Background,
+    loops: &[Vec<Point2>],
+    points: &[Point2],
+    gradation: Option<f64>,
+) -> Result<Arc<dyn SizeField>, SizeError> {
+    let Some(g) = gradation else { return Ok(Arc::new(base)) };
+    let mut all: Vec<Point2> = loops.iter().flatten().copied().collect();
+    if let Some(index) = all.iter().position(|p| !p.is_finite()) {
+        return Err(SizeError::BadPoint { what: "loop node", index });
+    }
+    let Some((low, high)) = bounds(all.iter().copied()) else { return Err(SizeError::NoArea) };
+    all.extend(points.iter().filter(|p| p.cmpge(low).all() && p.cmple(high).all()));
+    let mut hint = Hint::default();
+    let values: Vec<f64> = all.iter().map(|&p| base.h(p, &mut hint)).collect();
+    Ok(Arc::new(graded(&base, &all, &values, &loop_indices(loops), g)?))
 }
 
 /// The mean of the two adjacent segments, per node of a closed loop.

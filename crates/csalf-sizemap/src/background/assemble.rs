@@ -105,13 +105,6 @@ impl Background {
             })
             .collect();
         let nodes: Vec<_> = points.iter().zip(values).map(|(&p, &h)| Node { p, h }).collect();
-        let mut used = vec![false; nodes.len()];
-        let mut range = (f64::INFINITY, 0.0f64);
-        for v in triangles[..n_inside].iter().flat_map(|t| t.corners) {
-            used[v as usize] = true;
-            let h = nodes[v as usize].h;
-            range = (range.0.min(h), range.1.max(h));
-        }
         // A grid of square cells, about CELLS_PER_TRIANGLE per triangle.
         let size = high - low;
         let wanted = (CELLS_PER_TRIANGLE * n).clamp(16, 1 << 22) as f64;
@@ -125,7 +118,7 @@ impl Background {
             scale,
             low,
             high,
-            range,
+            range: (0.0, 0.0),
             cells: (0..columns as usize * rows as usize).map(|_| AtomicU32::new(NONE)).collect(),
             columns,
             rows,
@@ -133,11 +126,24 @@ impl Background {
             centroids: OnceLock::new(),
             rim: OnceLock::new(),
         };
-        // Nodes outside the domain (of no triangle in it) get the value that any point outside gets.
-        for v in (0..used.len()).filter(|&v| !used[v]) {
-            out.nodes[v].h = out.outside(out.nodes[v].p);
-        }
+        out.settle();
         Ok(out)
+    }
+
+    /// Sets all that follows from the values: the range, and the values of nodes outside the domain (of no
+    /// triangle in it), which are those that any point outside gets.
+    pub(super) fn settle(&mut self) {
+        let mut used = vec![false; self.nodes.len()];
+        let mut range = (f64::INFINITY, 0.0f64);
+        for v in self.triangles[..self.n_inside as usize].iter().flat_map(|t| t.corners) {
+            used[v as usize] = true;
+            let h = self.nodes[v as usize].h;
+            range = (range.0.min(h), range.1.max(h));
+        }
+        self.range = range;
+        for v in (0..used.len()).filter(|&v| !used[v]) {
+            self.nodes[v].h = self.outside(self.nodes[v].p);
+        }
     }
 }
 

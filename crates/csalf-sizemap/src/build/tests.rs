@@ -1,5 +1,5 @@
 use super::*;
-use crate::{Hint, Source};
+use crate::Source;
 
 fn p(x: f64, y: f64) -> Point2 {
     Point2::new(x, y)
@@ -102,4 +102,22 @@ fn faults_are_typed() {
         e(&SizeSpec::Boundary, &plate(), &x),
         SizeError::NotPositive { what: "hard point", .. }
     ));
+}
+
+#[test]
+fn gradation_limits_boundary_and_user_fields() {
+    let x = Extras { gradation: Some(0.1), ..Extras::default() };
+    let f = build_one(&SizeSpec::Boundary, &plate(), &x).unwrap();
+    // From 1 at the bottom the size may grow by 0.2 to the top; it was 3 there.
+    assert!((h(&f, p(2., 2.)) - 1.2).abs() < 0.03, "{}", h(&f, p(2., 2.)));
+    let spec = SizeSpec::Background {
+        points: vec![p(-1., -1.), p(5., -1.), p(5., 3.), p(-1., 3.), p(2., 1.)],
+        triangles: vec![[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]],
+        values: vec![1.0, 1.0, 1.0, 1.0, 0.1],
+    };
+    let f = build_one(&spec, &plate(), &x).unwrap();
+    assert_eq!(h(&f, p(2., 1.)), 0.1);
+    for r in [0.2, 0.5, 0.9] {
+        assert!((h(&f, p(2. + r, 1.)) / (0.1 + 0.1 * r) - 1.0).abs() < 0.1);
+    }
 }
