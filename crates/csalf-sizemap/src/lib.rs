@@ -3,7 +3,9 @@
 
 pub mod background;
 pub mod build;
+pub mod count;
 pub mod error;
+pub mod esg;
 pub mod field;
 pub mod gradation;
 pub mod line;
@@ -14,7 +16,9 @@ pub mod uniform;
 
 pub use background::Background;
 pub use build::{Extras, build};
+pub use count::expected_quads;
 pub use error::SizeError;
+pub use esg::extremum_size_gradient;
 pub use field::{Hint, SizeField};
 pub use gradation::graded;
 pub use sources::Sources;
