@@ -32,6 +32,8 @@ pub struct Filler {
     edge_base: Vec<u32>,
     relaxation: crate::relax::Relaxation,
     n_ring: usize,
+    /// In a coarse trial: how many real edges the edges along sides 0 and 2, 1 and 3 of each quad stand for.
+    pub factor: Vec<[f64; 2]>,
 }
 
 impl Filler {
@@ -41,8 +43,8 @@ impl Filler {
     }
 
     /// Relaxes the nodes from `n` on by some sweeps.
-    pub fn relax(&mut self, n: usize, sweeps: usize) {
-        self.relaxation.prepare(&self.points, &self.quads, n);
+    pub fn relax(&mut self, n: usize, size: &dyn SizeField, sweeps: usize) {
+        self.relaxation.prepare(&self.points, &self.quads, n, size, &self.factor);
         for _ in 0..sweeps {
             self.relaxation.sweep(&mut self.points, n);
         }
@@ -61,6 +63,7 @@ impl Filler {
     ) {
         self.points.clear();
         self.quads.clear();
+        self.factor.clear();
         self.points.extend(ring);
         let n = self.points.len();
         let nb = pattern.n_boundary;
@@ -121,6 +124,13 @@ impl Filler {
             let [bot, right, top, left] = &sides;
             interpolate(bot, top, left, right, &mut self.points);
             emit(&sides, base, &mut self.quads);
+            if x != real {
+                let f = [0, 1].map(|k| {
+                    let c = pattern.chord[quad_edges[k].0 as usize] as usize;
+                    f64::from(real[c]) / f64::from(x[c])
+                });
+                self.factor.resize(self.quads.len(), f);
+            }
             self.sides = sides;
         }
     }

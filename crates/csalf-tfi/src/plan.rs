@@ -48,10 +48,14 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Handbook 5.6: mean SJ + 0.5 min SJ - 0.15 ln(largest size error) - 0.02 per irregular vertex.
+    /// Handbook 5.6: mean SJ + 0.5 min SJ - 0.15 ln(largest size error) - 0.02 per irregular vertex; and 0.3 ln of
+    /// the mean size error, by which the number of rings of a disk is chosen.
     pub fn score(&self) -> f64 {
         let a = &self.appraisal;
-        a.mean_sj + 0.5 * a.min_sj - 0.15 * a.worst_size_error.ln() - 0.02 * f64::from(a.n_irregular)
+        a.mean_sj + 0.5 * a.min_sj
+            - 0.3 * a.size_error.ln()
+            - 0.15 * a.worst_size_error.ln()
+            - 0.02 * f64::from(a.n_irregular)
     }
 
     /// True if the rules accept a patch like the forecast. `slack` (0 to 1) weakens the thresholds of shape: the
@@ -139,7 +143,7 @@ fn disks(task: &RegionTask<'_>, rules: &TfiRules, i: &Interpretation, found: &mu
             let period = if a == b { a } else { half };
             let step = (period / 8).max(1);
             for o in (0..period).step_by(step as usize) {
-                for m in [rings, rings + 1] {
+                for m in [1, rings.div_ceil(2), rings] {
                     collect(task, rules, pattern, &[a, b, a, b], o, m, i, found);
                 }
             }
@@ -247,16 +251,11 @@ fn try_coarse(task: &RegionTask<'_>, plan: &mut Plan, filler: &mut Filler) {
     filler.fill(pattern, &x, ring, task.size, &plan.x);
     let n = filler.n_ring();
     if pattern.n_irregular > 0 {
-        filler.relax(n, 6);
+        filler.relax(n, task.size, 6);
     }
     let s = shape(&filler.points, &filler.quads);
-    let mut share = Vec::with_capacity(filler.quads.len());
-    for s in &pattern.quad_edges {
-        let c = [0, 1].map(|k| pattern.chord[s[k].0 as usize] as usize);
-        let f = c.map(|c| f64::from(x[c]) / f64::from(plan.x[c]));
-        share.resize(share.len() + (x[c[0]] * x[c[1]]) as usize, f[0] * f[1]);
-    }
-    let (mean, worst) = size_errors(&filler.points, &filler.quads, task.size, usize::MAX, |q| share[q]);
+    let share = |q: usize| filler.factor.get(q).map_or(1.0, |f| 1.0 / (f[0] * f[1]));
+    let (mean, worst) = size_errors(&filler.points, &filler.quads, task.size, usize::MAX, share);
     let a = &mut plan.appraisal;
     (a.min_sj, a.mean_sj, a.size_error, a.worst_size_error) = (s.min_sj, s.mean_sj, mean, worst);
 }

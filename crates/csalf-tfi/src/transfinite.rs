@@ -56,12 +56,12 @@ impl Transfinite {
         let ring = c.points[start..].iter().chain(&c.points[..start]).copied();
         filler.fill(plan.pattern, &plan.x, ring, task.size, &plan.x);
         if plan.pattern.n_irregular > 0 {
-            filler.relax(n, SWEEPS);
+            filler.relax(n, task.size, SWEEPS);
         }
         let floor = self.rules.floor(n, plan.sharpest);
         let mut s = shape(&filler.points, &filler.quads);
         if s.min_sj < floor {
-            filler.relax(n, 4 * SWEEPS);
+            filler.relax(n, task.size, 4 * SWEEPS);
             s = shape(&filler.points, &filler.quads);
         }
         if s.min_sj <= 0.0 || s.min_sj < floor || s.mean_sj < self.rules.mean_sj {
