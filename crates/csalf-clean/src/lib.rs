@@ -1,1 +1,6 @@
-//! csalf-clean (skeleton).
+//! Layer 3 of csalf: better meshes of the same boundary. [`smooth`] moves inner vertices, certified never to turn
+//! a quad over.
+
+pub mod smooth;
+
+pub use smooth::{FinishReport, SmoothOptions, SmoothReport, UntangleReport, finish, smooth, untangle};
