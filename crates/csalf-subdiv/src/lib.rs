@@ -1,6 +1,7 @@
 //! Layer 3 of csalf: recursive subdivision of contours (TriQuaMesh, the paper's Algorithm III).
 
 pub mod bridge;
+pub mod closure;
 pub mod fallback;
 pub mod functional;
 mod grid;
