@@ -1,0 +1,233 @@
+//! What may stand on the command line.
+
+use crate::layers::{parse_law, parse_length};
+use clap::{ArgAction, Parser, Subcommand, ValueEnum, ValueHint};
+use csalf_core::{Method, Preset};
+use csalf_pave::LayerLaw;
+use std::path::PathBuf;
+
+/// What stands below the options in the long help and in the man page.
+const EXIT_CODES: &str = "Exit codes: 0 done; 1 a mesh failed its check; 2 wrong usage; 3 invalid input; \
+4 could not mesh; 5 a file cannot be read or written.";
+
+/// Quad meshes from outlines: structured rings around every boundary, all quads, the boundary kept exactly.
+#[derive(Parser, Clone, Debug)]
+#[command(name = "csalf", version, about, after_help = EXIT_CODES, max_term_width = 100)]
+pub struct Args {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+    /// How much to say.
+    #[command(flatten)]
+    pub verbosity: Verbosity,
+}
+
+/// How much to say.
+#[derive(clap::Args, Clone, Copy, Debug, Default)]
+pub struct Verbosity {
+    /// Show the stages of the work; twice: every patch; three times: everything
+    #[arg(short, long, action = ArgAction::Count, global = true)]
+    pub verbose: u8,
+    /// Say nothing but errors
+    #[arg(short, long, global = true, conflicts_with = "verbose")]
+    pub quiet: bool,
+}
+
+impl Verbosity {
+    /// -1 quiet, 0 normal, 1 and more for each `-v`.
+    pub fn level(self) -> i32 {
+        if self.quiet { -1 } else { i32::from(self.verbose) }
+    }
+}
+
+/// The commands.
+#[derive(Subcommand, Clone, Debug)]
+pub enum Command {
+    /// Mesh an outline and write the mesh
+    Mesh(Box<MeshArgs>),
+    /// Print the quality of a mesh, and fail if it is broken
+    Check(CheckArgs),
+    /// Mesh a built-in plate with a hole; leaves a mesh and a picture
+    Demo(DemoArgs),
+    /// Tell what is in an outline or a mesh, without meshing
+    Info(InfoArgs),
+    /// Print the completion script of a shell
+    #[command(hide = true)]
+    Completions {
+        /// The shell
+        shell: clap_complete::Shell,
+    },
+}
+
+/// Arguments of `csalf mesh`. Each long option is also a key of the `--config` file.
+#[derive(clap::Args, Clone, Debug, Default)]
+pub struct MeshArgs {
+    /// Outline to mesh: .json job, .geojson, .topojson, .poly, .dxf, .svg, .msh; `-` is standard input
+    #[arg(value_hint = ValueHint::FilePath, required_unless_present = "config")]
+    pub input: Option<PathBuf>,
+    /// Mesh or picture to write, format by extension; `-` is standard output; may be given several times
+    #[arg(short, long, value_name = "OUT", value_hint = ValueHint::FilePath, action = ArgAction::Append)]
+    pub output: Vec<PathBuf>,
+    /// Wanted edge length everywhere, in place of the sizes that the input asks for
+    #[arg(long, value_name = "H", value_parser = parse_length, allow_negative_numbers = true)]
+    pub size: Option<f64>,
+    /// Largest growth of the wanted size per unit of length
+    #[arg(long, value_name = "G", value_parser = parse_length, allow_negative_numbers = true)]
+    pub gradation: Option<f64>,
+    /// Which method drives the mesher
+    #[arg(long, value_enum)]
+    pub method: Option<MethodArg>,
+    /// How much work to put into quality
+    #[arg(long, value_enum)]
+    pub preset: Option<PresetArg>,
+    /// Layers by pattern of loop names: PATTERN=COUNT[:LAW[:FIRST]],...
+    #[arg(long, value_name = "LAYERS")]
+    pub layers: Option<String>,
+    /// Thickness law of the layers: auto, constant, ramp, parabolic, fibonacci, geometric(Q), explicit(T,...)
+    #[arg(long, value_name = "LAW", value_parser = parse_law)]
+    pub layer_law: Option<LayerLaw>,
+    /// Thickness of the first layer [default: the mean segment of the loop]
+    #[arg(long, value_name = "T", value_parser = parse_length, allow_negative_numbers = true)]
+    pub first_layer: Option<f64>,
+    /// Leave a triangle where a region has an odd number of segments
+    #[arg(long)]
+    pub allow_triangles: bool,
+    /// Add a node to a scar where it cuts off a region with an odd number of segments
+    #[arg(long)]
+    pub repair_parity: bool,
+    /// Worker threads, 0 for all cores; the mesh does not depend on it
+    #[arg(long, value_name = "N")]
+    pub threads: Option<usize>,
+    /// Format of all outputs, in place of their extensions: vtu, msh41, msh22, inp, bdf, obj, svg, png
+    #[arg(long, value_name = "FORMAT")]
+    pub format: Option<String>,
+    /// Format of the input, in place of its extension
+    #[arg(long, value_name = "FORMAT")]
+    pub input_format: Option<String>,
+    /// Options from a TOML file; those on the command line win
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub config: Option<PathBuf>,
+    /// Print one JSON object as the last line on standard output
+    #[arg(long)]
+    pub json: bool,
+    /// Write the full report, loop by loop, as JSON
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub report: Option<PathBuf>,
+    /// Read and check everything, say what would be done, write nothing
+    #[arg(long)]
+    pub dry_run: bool,
+}
+
+/// Arguments of `csalf check`.
+#[derive(clap::Args, Clone, Debug)]
+pub struct CheckArgs {
+    /// Mesh to check: .vtu, .msh, .inp, .bdf, .obj; `-` is standard input
+    #[arg(value_hint = ValueHint::FilePath)]
+    pub mesh: PathBuf,
+    /// Fail if an element has a smaller scaled Jacobian than this
+    #[arg(long, value_name = "X", allow_negative_numbers = true)]
+    pub min_sj: Option<f64>,
+    /// Format of the mesh, in place of its extension
+    #[arg(long, value_name = "FORMAT")]
+    pub format: Option<String>,
+    /// Print one JSON object as the last line on standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `csalf demo`.
+#[derive(clap::Args, Clone, Debug)]
+pub struct DemoArgs {
+    /// Folder for demo.vtu and demo.png
+    #[arg(short, long, value_name = "DIR", default_value = ".", value_hint = ValueHint::DirPath)]
+    pub output: PathBuf,
+}
+
+/// Arguments of `csalf info`.
+#[derive(clap::Args, Clone, Debug)]
+pub struct InfoArgs {
+    /// Outline or mesh; `-` is standard input
+    #[arg(value_hint = ValueHint::FilePath)]
+    pub input: PathBuf,
+    /// Format of the input, in place of its extension
+    #[arg(long, value_name = "FORMAT")]
+    pub format: Option<String>,
+    /// Print one JSON object as the last line on standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `--method`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum MethodArg {
+    /// Layers, then the triad with patterns (default)
+    Csalf,
+    /// The flow of the CSALF-Q paper, letter for letter
+    Paper,
+    /// Recursive subdivision alone (TriQuaMesh)
+    Tqm,
+}
+
+impl From<MethodArg> for Method {
+    fn from(m: MethodArg) -> Self {
+        match m {
+            MethodArg::Csalf => Self::Csalf,
+            MethodArg::Paper => Self::Paper,
+            MethodArg::Tqm => Self::Tqm,
+        }
+    }
+}
+
+/// `--preset`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum PresetArg {
+    /// Lookahead, cleaning, optimisation (default)
+    Quality,
+    /// Neither lookahead nor cleaning
+    Fast,
+}
+
+impl From<PresetArg> for Preset {
+    fn from(p: PresetArg) -> Self {
+        match p {
+            PresetArg::Quality => Self::Quality,
+            PresetArg::Fast => Self::Fast,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_definition_is_sound() {
+        Args::command().debug_assert();
+    }
+
+    #[test]
+    fn several_outputs_and_verbosity_anywhere() {
+        let a =
+            Args::try_parse_from(["csalf", "mesh", "a.json", "-o", "b.vtu", "-vv", "-o", "c.png"]).unwrap();
+        assert_eq!(a.verbosity.level(), 2);
+        let Command::Mesh(m) = a.command else { panic!("not mesh") };
+        assert_eq!(m.output, [PathBuf::from("b.vtu"), PathBuf::from("c.png")]);
+    }
+
+    #[test]
+    fn wrong_values_are_refused() {
+        for extra in [
+            ["--size", "-1"],
+            ["--size", "nan"],
+            ["--threads", "-1"],
+            ["--method", "x"],
+            ["--layer-law", "y"],
+        ] {
+            let line = ["csalf", "mesh", "a.json"].into_iter().chain(extra);
+            assert!(Args::try_parse_from(line).is_err(), "{extra:?}");
+        }
+    }
+}

@@ -1,0 +1,128 @@
+//! `csalf check`: the quality report of any mesh that can be read, and a gate for scripts.
+
+use crate::args::CheckArgs;
+use crate::exit::Failure;
+use crate::{files, json, say};
+use csalf_geom::VertexId;
+use csalf_mesh::QuadMesh;
+use csalf_mesh::quality::QualityReport;
+use csalf_mesh::validate::{Expectation, validate};
+use serde_json::{Map, Value};
+
+/// Most defects printed.
+const MAX_DEFECTS: usize = 20;
+
+/// Runs the command.
+///
+/// # Errors
+/// [`Failure::Check`] if the mesh is broken or worse than asked for; [`Failure::Invalid`] and [`Failure::Files`] if
+/// it cannot be read.
+pub fn run(args: &CheckArgs, level: i32) -> Result<(), Failure> {
+    super::with_json(args.json, check(args, level))
+}
+
+fn check(args: &CheckArgs, level: i32) -> Result<(), Failure> {
+    let shown = files::shown(&args.mesh);
+    let format = files::mesh_format(&args.mesh, args.format.as_deref())?;
+    let data = files::read_mesh(&args.mesh, format)?;
+    if level >= 0 {
+        data.notes.iter().for_each(|n| say::warning(&format!("{shown}: {n}")));
+    }
+    let mesh = &data.mesh;
+    if mesh.n_quads() + mesh.triangles.len() == 0 {
+        return Err(Failure::Invalid { input: shown, defects: vec!["the mesh has no elements".into()] });
+    }
+    let mut findings = defects(mesh);
+    // Figures need indices that exist; without them there is nothing to measure.
+    let measurable = in_range(mesh);
+    let quality = measurable.then(|| QualityReport::new(mesh, None, None));
+    if let (Some(q), Some(bound)) = (&quality, args.min_sj)
+        && (q.min_sj < bound || q.min_sj.is_nan())
+    {
+        findings.push(format!("the smallest scaled Jacobian is {:.4}, less than {bound}", q.min_sj));
+    }
+    if !args.json {
+        match &quality {
+            Some(q) if level >= 0 => say::out(q.to_string().trim_end())?,
+            _ => {}
+        }
+    }
+    if !findings.is_empty() {
+        let n = findings.len();
+        findings.truncate(MAX_DEFECTS);
+        if n > MAX_DEFECTS {
+            findings.push(format!("{} more", n - MAX_DEFECTS));
+        }
+        return Err(Failure::Check(findings.iter().map(|f| format!("{shown}: {f}")).collect()));
+    }
+    if args.json {
+        let mut m = Map::new();
+        m.insert("n_vertices".into(), mesh.n_vertices().into());
+        m.insert("n_quads".into(), mesh.n_quads().into());
+        m.insert("n_triangles".into(), mesh.triangles.len().into());
+        m.insert("quality".into(), quality.map_or(Value::Null, |q| json::quality(&q, false)));
+        say::out(&json::success(m))?;
+    }
+    Ok(())
+}
+
+/// True if every element names vertices that exist.
+fn in_range(mesh: &QuadMesh) -> bool {
+    let n = mesh.n_vertices();
+    mesh.quads.iter().flatten().chain(mesh.triangles.iter().flatten()).all(|v| v.index() < n)
+}
+
+/// What is wrong with a mesh of which only the mesh is known: its own boundary is taken as the wanted one.
+fn defects(mesh: &QuadMesh) -> Vec<String> {
+    let boundary = if in_range(mesh) { boundary(mesh) } else { Vec::new() };
+    let expected = Expectation { nodes: &[], boundary: &boundary, scars: &[], points: &[], area: 0.0 };
+    validate(mesh, &expected).iter().map(ToString::to_string).collect()
+}
+
+/// The edges that only one element has, in its direction.
+fn boundary(mesh: &QuadMesh) -> Vec<[VertexId; 2]> {
+    fn sides<const K: usize>(e: &[VertexId; K]) -> impl Iterator<Item = [VertexId; 2]> + '_ {
+        (0..K).map(move |i| [e[i], e[(i + 1) % K]])
+    }
+    let all = mesh.quads.iter().flat_map(sides).chain(mesh.triangles.iter().flat_map(sides));
+    let key = |e: &[VertexId; 2]| (e[0].min(e[1]), e[0].max(e[1]));
+    let mut all: Vec<[VertexId; 2]> = all.collect();
+    all.sort_by_key(key);
+    all.chunk_by(|a, b| key(a) == key(b)).filter(|run| run.len() == 1).map(|run| run[0]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use csalf_geom::Point2;
+
+    fn two_quads() -> QuadMesh {
+        let v = VertexId::new;
+        QuadMesh {
+            points: [(0., 0.), (1., 0.), (2., 0.), (0., 1.), (1., 1.), (2., 1.)].map(Point2::from).to_vec(),
+            quads: vec![[v(0), v(1), v(4), v(3)], [v(1), v(2), v(5), v(4)]],
+            triangles: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn a_sound_mesh_has_no_defects() {
+        assert_eq!(boundary(&two_quads()).len(), 6);
+        assert_eq!(defects(&two_quads()), Vec::<String>::new());
+    }
+
+    #[test]
+    fn broken_meshes_are_found() {
+        let mut inverted = two_quads();
+        inverted.quads[0].reverse();
+        assert!(!defects(&inverted).is_empty());
+        let mut wild = two_quads();
+        wild.quads[1][2] = VertexId::new(99);
+        assert!(!in_range(&wild));
+        assert!(!defects(&wild).is_empty());
+        let mut concave = two_quads();
+        concave.points[4] = Point2::new(0.4, 0.2);
+        concave.points[1] = Point2::new(0.4, 0.3);
+        assert!(!defects(&concave).is_empty());
+    }
+}

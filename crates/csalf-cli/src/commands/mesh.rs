@@ -1,0 +1,368 @@
+//! `csalf mesh`: outlines in, meshes out.
+//!
+//! 1. [`settle`]: the command line, the `--config` file and the options in the job file become one plan; every
+//!    wrong option and unknown format is found before any work is done.
+//! 2. [`mesh_one`]: meshes a job, measures time and quality, writes the files.
+//! 3. [`finish`]: summary, `--report`, and with `--json` the last line.
+//!
+//! An input with several outlines gives one mesh each; one that fails does not lose the others.
+
+use crate::args::MeshArgs;
+use crate::exit::Failure;
+use crate::files::{self, Output};
+use crate::progress::{self, Progress};
+use crate::timing::{Seconds, timed};
+use crate::{config, json, layers, logging, say, summary};
+use csalf_core::{Job, Meshed, Options};
+use csalf_geom::{Point2, Tolerance};
+use csalf_io::{CellData, Input, JobFormat, JobOptions, MeshView};
+use csalf_mesh::quality::{QualityReport, scaled_jacobian};
+use csalf_pave::LayerSpec;
+use csalf_sizemap::{Extras, SizeField, SizeSpec};
+use serde_json::{Map, Value};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Most warnings printed one by one.
+const MAX_WARNINGS: usize = 10;
+
+/// Runs the command.
+///
+/// # Errors
+/// A [`Failure`]; of several outlines, that of the first one that failed.
+pub fn run(args: &MeshArgs, level: i32) -> Result<(), Failure> {
+    let mut json = args.json;
+    let result = settle(args).and_then(|plan| {
+        json |= plan.args.json;
+        execute(&plan, level)
+    });
+    super::with_json(json, result)
+}
+
+/// All options, checked; formats of all files known.
+#[derive(Clone, Debug)]
+struct Plan {
+    args: MeshArgs,
+    input: PathBuf,
+    input_format: JobFormat,
+    outputs: Vec<Output>,
+    /// Replace those of the job where not empty.
+    layers: layers::Layers,
+}
+
+/// Merges the command line with the `--config` file and settles the formats.
+fn settle(args: &MeshArgs) -> Result<Plan, Failure> {
+    let (args, mut table) = match &args.config {
+        None => (args.clone(), layers::Layers::new()),
+        Some(path) => {
+            let bytes = files::read(path)?;
+            let name = path.display();
+            let text = String::from_utf8(bytes).map_err(|e| Failure::Usage(format!("{name}: {e}")))?;
+            let folder = path.parent().unwrap_or(Path::new(""));
+            config::merge(args, &text, folder).map_err(|e| Failure::Usage(format!("{name}: {e}")))?
+        }
+    };
+    let input = args.input.clone().ok_or_else(|| Failure::Usage("no input: name one, or `-`".into()))?;
+    let input_format = files::job_format(&input, args.input_format.as_deref())?;
+    let mut outputs = Vec::with_capacity(args.output.len());
+    for path in &args.output {
+        let format = files::mesh_format(path, args.format.as_deref())?;
+        if outputs.iter().any(|o: &Output| o.path == *path) {
+            return Err(Failure::Usage(format!("the output {} is named twice", path.display())));
+        }
+        outputs.push(Output { path: path.clone(), format });
+    }
+    if outputs.is_empty() && !args.dry_run && !args.json && args.report.is_none() {
+        return Err(Failure::Usage(
+            "nothing to write: give -o OUT (several are allowed), --json or --report".into(),
+        ));
+    }
+    if args.json && outputs.iter().any(|o| files::is_standard(&o.path)) {
+        return Err(Failure::Usage(
+            "-o - and --json both want standard output: write the mesh to a file, or use --report".into(),
+        ));
+    }
+    if let Some(text) = &args.layers {
+        table = layers::parse(text, args.layer_law.as_ref(), args.first_layer)
+            .map_err(|e| Failure::Usage(format!("--layers: {e}")))?;
+    }
+    Ok(Plan { args, input, input_format, outputs, layers: table })
+}
+
+/// Reads, meshes, writes, reports.
+fn execute(plan: &Plan, level: i32) -> Result<(), Failure> {
+    let shown = files::shown(&plan.input);
+    let read = files::read_jobs(&plan.input, plan.input_format)?;
+    if level >= 0 {
+        read.notes.iter().for_each(|n| say::warning(&format!("{shown}: {n}")));
+    }
+    let Input::Jobs(mut jobs) = read.input else {
+        return Err(Failure::Usage(format!("{shown}: raw curves are not supported yet")));
+    };
+    for (k, job) in jobs.iter_mut().enumerate() {
+        if job.name.is_empty() {
+            let stem = files::stem(&plan.input);
+            job.name = if k == 0 { stem } else { format!("{stem}{k}") };
+        }
+        override_job(job, plan);
+    }
+    if jobs.len() > 1 && plan.outputs.iter().any(|o| files::is_standard(&o.path)) {
+        return Err(Failure::Usage(format!(
+            "{shown}: {} outlines do not fit into one stream: use files",
+            jobs.len()
+        )));
+    }
+    let options = options(&read.options, &plan.args);
+    if plan.args.dry_run {
+        return dry_run(plan, &jobs, &options);
+    }
+    let mut done = Vec::with_capacity(jobs.len());
+    let mut failures = Vec::new();
+    for (k, job) in jobs.iter().enumerate() {
+        let input = if jobs.len() == 1 { shown.clone() } else { format!("{shown} ({})", job.name) };
+        let outputs = outputs_of(&plan.outputs, job, k, jobs.len());
+        let request = Request { input: &input, options: options.clone(), outputs: &outputs, level };
+        match mesh_one(job, &request) {
+            Ok(d) => done.push(d),
+            Err(f) => failures.push(f),
+        }
+    }
+    finish(plan, &done, failures, level)
+}
+
+/// The options of the run: the command line over the config file over the job file over the defaults.
+fn options(of_job: &JobOptions, args: &MeshArgs) -> Options {
+    let mut o = Options::default();
+    of_job.apply(&mut o);
+    if let Some(m) = args.method {
+        o.method = m.into();
+    }
+    if let Some(p) = args.preset {
+        o.preset = p.into();
+    }
+    if let Some(n) = args.threads {
+        o.threads = n;
+    }
+    if args.gradation.is_some() {
+        o.gradation = args.gradation;
+    }
+    o.allow_triangles |= args.allow_triangles;
+    o.repair_parity |= args.repair_parity;
+    o
+}
+
+/// Sizes and layers of the command line in place of those of the job. Without new layers, a law or first thickness
+/// of the command line goes to the layers that the job has.
+fn override_job(job: &mut Job, plan: &Plan) {
+    if let Some(h) = plan.args.size {
+        job.size = SizeSpec::Uniform { h };
+    }
+    if !plan.layers.is_empty() {
+        job.layers.clone_from(&plan.layers);
+        return;
+    }
+    for (_, spec) in &mut job.layers {
+        if let Some(law) = &plan.args.layer_law {
+            spec.law = law.clone();
+        }
+        if plan.args.first_layer.is_some() {
+            spec.first = plan.args.first_layer;
+        }
+    }
+}
+
+/// Where the mesh of job `k` of `n` goes: with several jobs their names are put before the extension.
+fn outputs_of(outputs: &[Output], job: &Job, k: usize, n: usize) -> Vec<Output> {
+    if n == 1 {
+        return outputs.to_vec();
+    }
+    let safe: String =
+        job.name.chars().map(|c| if c.is_alphanumeric() || c == '-' { c } else { '_' }).collect();
+    let named = |o: &Output| {
+        let extension = o.path.extension().map(|e| e.to_string_lossy().into_owned()).unwrap_or_default();
+        let name = format!("{}_{k}_{safe}.{extension}", files::stem(&o.path));
+        Output { path: o.path.with_file_name(name), format: o.format }
+    };
+    outputs.iter().map(named).collect()
+}
+
+/// One job to be meshed.
+#[derive(Clone, Debug)]
+pub struct Request<'a> {
+    /// Name of the input, for messages.
+    pub input: &'a str,
+    /// Options of the mesher.
+    pub options: Options,
+    /// Files to write.
+    pub outputs: &'a [Output],
+    /// Verbosity, -1 to 3.
+    pub level: i32,
+}
+
+/// One job, meshed and written.
+#[derive(Debug)]
+pub struct Done {
+    /// Name of the job.
+    pub name: String,
+    /// What came out.
+    pub meshed: Meshed,
+    /// Times of the meshing alone.
+    pub seconds: Seconds,
+    /// Figures of the mesh.
+    pub quality: QualityReport,
+    /// Files written.
+    pub outputs: Vec<Output>,
+}
+
+impl Done {
+    /// A few lines for a person.
+    pub fn summary(&self) -> String {
+        let mut s = summary::of_mesh(&self.name, &self.meshed, self.seconds, &self.quality);
+        let files: Vec<String> = self
+            .outputs
+            .iter()
+            .filter(|o| !files::is_standard(&o.path))
+            .map(|o| o.path.display().to_string())
+            .collect();
+        if !files.is_empty() {
+            s.push_str(&format!("\nwrote {}", files.join(", ")));
+        }
+        s
+    }
+
+    /// The entries of the JSON report.
+    fn entries(&self, full: bool) -> Map<String, Value> {
+        let mesh = &self.meshed.mesh;
+        let mut m = Map::new();
+        m.insert("name".into(), self.name.clone().into());
+        m.insert("n_vertices".into(), mesh.n_vertices().into());
+        m.insert("n_quads".into(), mesh.n_quads().into());
+        m.insert("n_triangles".into(), mesh.triangles.len().into());
+        m.insert("mesh_s".into(), self.seconds.wall.into());
+        m.insert("mesh_cpu_s".into(), self.seconds.cpu.into());
+        m.insert("quality".into(), json::quality(&self.quality, full));
+        m.extend(json::report(&self.meshed.report, full));
+        let outputs: Vec<String> = self.outputs.iter().map(|o| o.path.display().to_string()).collect();
+        m.insert("outputs".into(), outputs.into());
+        m
+    }
+}
+
+/// Meshes a job and writes its files. Warnings go to standard error.
+///
+/// # Errors
+/// [`Failure::Invalid`], [`Failure::Unmeshed`] or [`Failure::Files`].
+pub fn mesh_one(job: &Job, request: &Request<'_>) -> Result<Done, Failure> {
+    let line = progress::wanted(request.level).then(Progress::start);
+    logging::install(request.level, line.as_ref().map(Progress::stages));
+    let (meshed, seconds) = timed(|| csalf_core::mesh(job, &request.options));
+    drop(line);
+    let meshed = meshed.map_err(|e| Failure::of_meshing(request.input, &e))?;
+    if request.level >= 0 {
+        warn(request.input, &meshed);
+    }
+    if !request.outputs.is_empty() {
+        let cell_data = [scaled_jacobians(&meshed)];
+        let view =
+            MeshView { mesh: &meshed.mesh, sets: &meshed.sets, cell_data: &cell_data, title: &job.name };
+        for o in request.outputs {
+            files::write_mesh(&view, o)?;
+        }
+    }
+    let field = size_field(job, request.options.gradation);
+    let quality = QualityReport::new(&meshed.mesh, field.as_deref(), job.local_region);
+    Ok(Done { name: job.name.clone(), meshed, seconds, quality, outputs: request.outputs.to_vec() })
+}
+
+/// The size field that the job asks for, to compare the mesh with; `None` if it cannot be built.
+fn size_field(job: &Job, gradation: Option<f64>) -> Option<Arc<dyn SizeField>> {
+    let loops: Vec<Vec<Point2>> = job.domain.loops.iter().map(|l| l.nodes.clone()).collect();
+    let points: Vec<(Point2, f64)> = job.domain.points.iter().filter_map(|p| Some((p.xy, p.size?))).collect();
+    let tolerance = Tolerance::of_points(loops.iter().flatten().copied());
+    let extras = Extras { hard_points: &points, gradation };
+    csalf_sizemap::build(&job.size, &loops, &extras, tolerance).ok()
+}
+
+fn warn(input: &str, meshed: &Meshed) {
+    let warnings = &meshed.report.warnings;
+    for w in warnings.iter().take(MAX_WARNINGS) {
+        say::warning(&format!("{input}: {w}"));
+    }
+    if warnings.len() > MAX_WARNINGS {
+        say::warning(&format!("{input}: {} more warnings (--report has all)", warnings.len() - MAX_WARNINGS));
+    }
+}
+
+/// The scaled Jacobian of every element, for viewers.
+fn scaled_jacobians(meshed: &Meshed) -> CellData {
+    let mesh = &meshed.mesh;
+    let quads = mesh.quads.iter().map(|q| scaled_jacobian::value(&q.map(|v| mesh.points[v.index()])));
+    let triangles =
+        mesh.triangles.iter().map(|t| scaled_jacobian::of_triangle(&t.map(|v| mesh.points[v.index()])));
+    CellData { name: "scaled_jacobian".into(), values: quads.chain(triangles).collect() }
+}
+
+/// Says what was done, and what was not.
+fn finish(plan: &Plan, done: &[Done], mut failures: Vec<Failure>, level: i32) -> Result<(), Failure> {
+    if let Some(path) = &plan.args.report {
+        let all: Vec<Value> = done.iter().map(|d| Value::Object(d.entries(true))).collect();
+        let text = serde_json::to_string_pretty(&all).unwrap_or_default();
+        files::write(path, |sink| Ok(writeln!(sink, "{text}")?))?;
+    }
+    let to_stdout = plan.outputs.iter().any(|o| files::is_standard(&o.path));
+    if level >= 0 && !plan.args.json && !to_stdout {
+        for d in done {
+            say::out(&d.summary())?;
+        }
+    }
+    if failures.is_empty() {
+        if plan.args.json {
+            say::out(&json::success(entries_of(done)))?;
+        }
+        return Ok(());
+    }
+    let first = failures.remove(0);
+    for f in &failures {
+        say::failure(f);
+    }
+    Err(first)
+}
+
+/// The entries of one run; of several jobs, sums.
+fn entries_of(done: &[Done]) -> Map<String, Value> {
+    if let [one] = done {
+        return one.entries(false);
+    }
+    let sum = |f: &dyn Fn(&Done) -> usize| Value::from(done.iter().map(f).sum::<usize>());
+    let seconds = |f: &dyn Fn(&Done) -> f64| Value::from(done.iter().map(f).sum::<f64>());
+    let least = done.iter().map(|d| d.quality.min_sj).fold(1.0, f64::min);
+    let mut m = Map::new();
+    m.insert("n_jobs".into(), done.len().into());
+    m.insert("n_vertices".into(), sum(&|d| d.meshed.mesh.n_vertices()));
+    m.insert("n_quads".into(), sum(&|d| d.meshed.mesh.n_quads()));
+    m.insert("n_triangles".into(), sum(&|d| d.meshed.mesh.triangles.len()));
+    m.insert("mesh_s".into(), seconds(&|d| d.seconds.wall));
+    m.insert("mesh_cpu_s".into(), seconds(&|d| d.seconds.cpu));
+    m.insert("min_sj".into(), least.into());
+    m.insert("n_warnings".into(), sum(&|d| d.meshed.report.warnings.len()));
+    m
+}
+
+/// Says what would be done.
+fn dry_run(plan: &Plan, jobs: &[Job], options: &Options) -> Result<(), Failure> {
+    for job in jobs {
+        say::out(&super::info::describe(job))?;
+    }
+    let layers = |l: &(String, LayerSpec)| format!("{} {} {:?}", l.0, l.1.count, l.1.law);
+    for l in &plan.layers {
+        say::out(&format!("  layers by option: {}", layers(l)))?;
+    }
+    say::out(&format!(
+        "method {:?}, preset {:?}, threads {}",
+        options.method, options.preset, options.threads
+    ))?;
+    for o in &plan.outputs {
+        say::out(&format!("would write {} ({})", o.path.display(), o.format.name()))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,180 @@
+//! The job file of `--config`: the options of `csalf mesh` in TOML, one key per long option.
+//!
+//! ```toml
+//! input = "plate.json"            # paths are relative to this file
+//! output = ["plate.vtu", "plate.png"]
+//! size = 0.5
+//! method = "csalf"
+//! layer_law = "ramp"
+//!
+//! [layers]
+//! "hole*" = 2
+//! outer = { count = 1, law = "geometric(1.2)", first = 0.05 }
+//! ```
+
+use crate::args::{MeshArgs, MethodArg, PresetArg};
+use crate::layers::{Layers, parse_law};
+use csalf_pave::LayerSpec;
+use serde::Deserialize;
+use std::path::{Path, PathBuf};
+
+/// A parsed file. Every key is optional.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Config {
+    input: Option<PathBuf>,
+    output: Option<OneOrMore>,
+    size: Option<f64>,
+    gradation: Option<f64>,
+    method: Option<MethodArg>,
+    preset: Option<PresetArg>,
+    layers: Option<LayersKey>,
+    layer_law: Option<String>,
+    first_layer: Option<f64>,
+    allow_triangles: Option<bool>,
+    repair_parity: Option<bool>,
+    threads: Option<usize>,
+    format: Option<String>,
+    input_format: Option<String>,
+    json: Option<bool>,
+    report: Option<PathBuf>,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(untagged)]
+enum OneOrMore {
+    One(PathBuf),
+    More(Vec<PathBuf>),
+}
+
+/// `layers = "hole*=2"` or a table in the order of the file.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(untagged)]
+enum LayersKey {
+    Short(String),
+    Table(toml::Table),
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct LayerEntry {
+    count: usize,
+    law: Option<String>,
+    first: Option<f64>,
+}
+
+/// The arguments with what the file adds, and the layers that the file asks for by its table.
+///
+/// # Errors
+/// What is wrong with the text, in words.
+pub fn merge(args: &MeshArgs, text: &str, folder: &Path) -> Result<(MeshArgs, Layers), String> {
+    let c: Config = toml::from_str(text).map_err(|e| e.to_string().trim_end().to_owned())?;
+    let place = |p: PathBuf| if p.as_os_str() == "-" { p } else { folder.join(p) };
+    let mut out = args.clone();
+    let mut table = Layers::new();
+    out.input = out.input.or_else(|| c.input.map(place));
+    if out.output.is_empty() {
+        out.output = match c.output {
+            Some(OneOrMore::One(p)) => vec![place(p)],
+            Some(OneOrMore::More(list)) => list.into_iter().map(place).collect(),
+            None => Vec::new(),
+        };
+    }
+    out.size = out.size.or(positive("size", c.size)?);
+    out.gradation = out.gradation.or(positive("gradation", c.gradation)?);
+    out.first_layer = out.first_layer.or(positive("first_layer", c.first_layer)?);
+    out.method = out.method.or(c.method);
+    out.preset = out.preset.or(c.preset);
+    if out.layer_law.is_none() {
+        out.layer_law =
+            c.layer_law.as_deref().map(parse_law).transpose().map_err(|e| format!("layer_law: {e}"))?;
+    }
+    if out.layers.is_none() {
+        match c.layers {
+            Some(LayersKey::Short(s)) => out.layers = Some(s),
+            Some(LayersKey::Table(t)) => {
+                for (pattern, value) in t {
+                    let spec = entry(value, &out).map_err(|e| format!("layers.{pattern}: {e}"))?;
+                    table.push((pattern, spec));
+                }
+            }
+            None => {}
+        }
+    }
+    out.allow_triangles |= c.allow_triangles.unwrap_or(false);
+    out.repair_parity |= c.repair_parity.unwrap_or(false);
+    out.json |= c.json.unwrap_or(false);
+    out.threads = out.threads.or(c.threads);
+    out.format = out.format.or(c.format);
+    out.input_format = out.input_format.or(c.input_format);
+    out.report = out.report.or_else(|| c.report.map(place));
+    Ok((out, table))
+}
+
+fn entry(value: toml::Value, args: &MeshArgs) -> Result<LayerSpec, String> {
+    let entry = match value {
+        toml::Value::Integer(n) => {
+            let count = usize::try_from(n).map_err(|_| format!("{n} is not a number of layers"))?;
+            LayerEntry { count, law: None, first: None }
+        }
+        other => other.try_into().map_err(|e| e.to_string())?,
+    };
+    let law = match &entry.law {
+        Some(l) => parse_law(l)?,
+        None => args.layer_law.clone().unwrap_or_default(),
+    };
+    Ok(LayerSpec { count: entry.count, law, first: positive("first", entry.first)?.or(args.first_layer) })
+}
+
+fn positive(key: &str, value: Option<f64>) -> Result<Option<f64>, String> {
+    match value {
+        Some(v) if !(v.is_finite() && v > 0.0) => Err(format!("{key} = {v} is not a number above 0")),
+        v => Ok(v),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use csalf_pave::LayerLaw;
+
+    const TEXT: &str = "input = 'in.json'\noutput = ['a.vtu', '-']\nsize = 2\nmethod = 'tqm'\nlayer_law = 'ramp'\n\
+                        [layers]\n'hole*' = 2\nouter = { count = 1, law = 'constant', first = 0.1 }\n";
+
+    #[test]
+    fn a_file_fills_what_the_command_line_leaves_open() {
+        let args = MeshArgs { size: Some(0.5), ..MeshArgs::default() };
+        let (m, layers) = merge(&args, TEXT, Path::new("jobs")).unwrap();
+        assert_eq!(m.size, Some(0.5));
+        assert_eq!(m.input, Some(PathBuf::from("jobs/in.json")));
+        assert_eq!(m.output, [PathBuf::from("jobs/a.vtu"), PathBuf::from("-")]);
+        assert_eq!(m.method, Some(MethodArg::Tqm));
+        let spec = |count, law, first| LayerSpec { count, law, first };
+        assert!(layers.contains(&("hole*".into(), spec(2, LayerLaw::Ramp, None))));
+        assert!(layers.contains(&("outer".into(), spec(1, LayerLaw::Constant, Some(0.1)))));
+    }
+
+    #[test]
+    fn layers_on_the_command_line_replace_those_of_the_file() {
+        let args = MeshArgs { layers: Some("outer=3".into()), ..MeshArgs::default() };
+        let (m, layers) = merge(&args, TEXT, Path::new("")).unwrap();
+        assert_eq!(m.layers.as_deref(), Some("outer=3"));
+        assert!(layers.is_empty());
+    }
+
+    #[test]
+    fn wrong_files_say_what_is_wrong() {
+        for (text, word) in [
+            ("sizes = 1", "sizes"),
+            ("size = -1", "above 0"),
+            ("method = 'x'", "method"),
+            ("[layers]\na = -1", "number of layers"),
+            ("[layers]\na = { count = 1, low = 2 }", "low"),
+            ("layer_law = 'x'", "layer_law"),
+            ("size = ", "TOML"),
+        ] {
+            let e = merge(&MeshArgs::default(), text, Path::new("")).unwrap_err();
+            assert!(e.contains(word), "{text}: {e}");
+        }
+    }
+}

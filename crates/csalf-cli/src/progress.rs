@@ -1,0 +1,72 @@
+//! A line that tells that something is going on: only on a terminal, only after a second.
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::io::IsTerminal;
+use std::sync::mpsc;
+use std::time::Duration;
+use tracing::span::{Attributes, Id};
+use tracing_subscriber::layer::{Context, Layer};
+
+/// Runs shorter than this show nothing.
+const SILENT: Duration = Duration::from_secs(1);
+
+/// Redraws of the line.
+const TICK: Duration = Duration::from_millis(100);
+
+/// True if a progress line makes sense: nobody asked for quiet or for logs, and a person is watching.
+pub fn wanted(verbosity: i32) -> bool {
+    verbosity == 0 && std::io::stderr().is_terminal() && std::env::var_os("TERM").is_none_or(|v| v != "dumb")
+}
+
+/// The progress line of one run. It disappears when dropped.
+#[derive(Debug)]
+pub struct Progress {
+    bar: ProgressBar,
+    done: Option<mpsc::Sender<()>>,
+    drawer: Option<std::thread::JoinHandle<()>>,
+}
+
+impl Progress {
+    /// A line that appears on standard error after a second.
+    pub fn start() -> Self {
+        let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden());
+        let style = ProgressStyle::with_template("{spinner} {elapsed} {msg}");
+        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
+        let (done, wait) = mpsc::channel();
+        let line = bar.clone();
+        let drawer = std::thread::spawn(move || {
+            if matches!(wait.recv_timeout(SILENT), Err(mpsc::RecvTimeoutError::Timeout)) {
+                line.set_draw_target(ProgressDrawTarget::stderr());
+                line.enable_steady_tick(TICK);
+            }
+        });
+        Self { bar, done: Some(done), drawer: Some(drawer) }
+    }
+
+    /// What feeds the names of the stages to this line.
+    pub fn stages(&self) -> Stages {
+        Stages { bar: self.bar.clone() }
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        drop(self.done.take());
+        if let Some(drawer) = self.drawer.take() {
+            let _ = drawer.join();
+        }
+        self.bar.finish_and_clear();
+    }
+}
+
+/// Shows the name of each stage that the libraries enter.
+#[derive(Debug)]
+pub struct Stages {
+    bar: ProgressBar,
+}
+
+impl<S: tracing::Subscriber> Layer<S> for Stages {
+    fn on_new_span(&self, span: &Attributes<'_>, _: &Id, _: Context<'_, S>) {
+        self.bar.set_message(span.metadata().name());
+    }
+}

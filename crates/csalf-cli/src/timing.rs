@@ -1,0 +1,21 @@
+//! Wall and processor time of one call.
+
+use cpu_time::ProcessTime;
+use std::time::Instant;
+
+/// Seconds that a call took.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Seconds {
+    /// On the clock on the wall.
+    pub wall: f64,
+    /// Of all threads of this process together. NaN where the system does not tell.
+    pub cpu: f64,
+}
+
+/// Runs `f` and measures it.
+pub fn timed<T>(f: impl FnOnce() -> T) -> (T, Seconds) {
+    let (wall, cpu) = (Instant::now(), ProcessTime::try_now().ok());
+    let value = f();
+    let cpu = cpu.and_then(|c| c.try_elapsed().ok()).map_or(f64::NAN, |d| d.as_secs_f64());
+    (value, Seconds { wall: wall.elapsed().as_secs_f64(), cpu })
+}

@@ -1,0 +1,4 @@
+//! The program `csalf`, run as a user runs it: exit codes, streams, files.
+
+mod common;
+mod usage;
