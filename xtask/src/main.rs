@@ -1,2 +1,74 @@
-//! Developer tasks of csalf (skeleton).
-fn main() {}
+//! Developer tasks of csalf: `cargo xtask COMMAND`. One module per command; a new one is a file, a variant of
+//! [`Task`] and a line in [`main`].
+
+mod ci;
+mod completions;
+mod generated;
+mod man;
+mod schema;
+mod tidy;
+
+use clap::{Parser, Subcommand};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// What a task may fail with: one message, already complete, one finding per line.
+pub(crate) type Outcome = Result<(), String>;
+
+#[derive(Parser, Debug)]
+#[command(name = "cargo xtask", about = "Developer tasks of csalf", version)]
+struct Cli {
+    #[command(subcommand)]
+    task: Task,
+}
+
+#[derive(Subcommand, Debug)]
+enum Task {
+    /// Check the house rules: layers, file headers and sizes, small literals, licences
+    Tidy,
+    /// Run everything that the gate runs (.ci/run)
+    Ci,
+    /// Write the man pages to docs/man
+    Man {
+        /// Only compare with the committed files
+        #[arg(long)]
+        check: bool,
+    },
+    /// Write the shell completions to target/completions
+    Completions,
+    /// Write the JSON Schema of the job format to docs/job.schema.json
+    Schema {
+        /// Only compare with the committed file
+        #[arg(long)]
+        check: bool,
+    },
+}
+
+fn main() -> ExitCode {
+    let outcome = match Cli::parse().task {
+        Task::Tidy => tidy::run(&root()),
+        Task::Ci => ci::run(&root()),
+        Task::Man { check } => man::run(&root(), check),
+        Task::Completions => completions::run(&root()),
+        Task::Schema { check } => schema::run(&root(), check),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(message) => {
+            say(&message);
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// The workspace's folder.
+pub(crate) fn root() -> PathBuf {
+    let here = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
+    here.parent().map_or_else(|| here.clone(), PathBuf::from)
+}
+
+/// Prints a line for the developer.
+#[allow(clippy::print_stderr, reason = "a developer tool talks to the terminal; this is its one place")]
+pub(crate) fn say(line: &str) {
+    eprintln!("{line}");
+}
