@@ -35,11 +35,16 @@
 //! extra ring.
 
 mod corners;
+mod odd;
 mod ring;
 #[cfg(test)]
 mod tests;
 
-use csalf_geom::Tolerance;
+pub use odd::{OddPatch, fill_odd};
+
+use crate::closure::{ClosureResult, close};
+use csalf_geom::predicates::{Meeting, meeting, on_segment};
+use csalf_geom::{Point2, Tolerance};
 use csalf_mesh::{Appraisal, Contour, Patch, Refusal, RegionMesher, RegionTask};
 
 /// Why a contour cannot be filled: it is not a valid even contour.
@@ -52,8 +57,14 @@ pub enum FallbackError {
         /// How many it has.
         n_nodes: usize,
     },
-    /// Fewer than four occurrences, or lists of different lengths.
-    #[error("the contour has {n_nodes} nodes; at least 4 are needed")]
+    /// The number of occurrences is even where an odd one is asked for.
+    #[error("the contour has an even number of nodes: {n_nodes}")]
+    Even {
+        /// How many it has.
+        n_nodes: usize,
+    },
+    /// Fewer than four occurrences (three for [`fill_odd`]), or lists of different lengths.
+    #[error("the contour has too few nodes: {n_nodes}")]
     TooFewNodes {
         /// How many it has.
         n_nodes: usize,
@@ -94,34 +105,70 @@ pub enum FallbackError {
 
 /// Fills a contour with strictly convex quads; see the module's documentation.
 ///
-/// `tolerance` decides nothing on the result: only [`FallbackError::Coincident`] is independent of it on purpose,
-/// because two nodes closer than the merge length but distinct can still be meshed.
+/// Contours of up to eight nodes are closed by a stencil ([`crate::closure`]) if one is good enough. The tolerance
+/// decides nothing: nodes closer than the merge length but distinct are meshed as they are.
 ///
 /// # Errors
 /// A [`FallbackError`] if the contour is not a valid even one.
-pub fn fill(contour: &Contour, tolerance: Tolerance) -> Result<Patch, FallbackError> {
-    let _ = tolerance;
+pub fn fill(contour: &Contour, _tolerance: Tolerance) -> Result<Patch, FallbackError> {
     check(contour)?;
-    let n = contour.len();
-    if n >= STEINER_FROM
-        && let Ok(patch) = ring::fill(contour, true)
-    {
+    if let Some(patch) = by_stencil(contour) {
         return Ok(patch);
     }
-    ring::fill(contour, false)
+    let n = contour.len();
+    // With inner points; without; and with the roles of odd and even nodes exchanged.
+    let steiner = if n >= STEINER_FROM { ring::fill(contour, true, false).ok() } else { None };
+    match steiner {
+        Some(patch) => Ok(patch),
+        None => {
+            ring::fill(contour, false, false).or_else(|e| ring::fill(contour, false, true).map_err(|_| e))
+        }
+    }
 }
 
-/// Contours with at least this many nodes are tried with interior points first. Smaller ones have no room for them.
+/// Closes a contour of up to eight distinct nodes. Convex quads that fill its rim's turns once are a mesh of it only
+/// if the contour is simple, so that is checked: the slow path finds and names the faults.
+fn by_stencil(contour: &Contour) -> Option<Patch> {
+    let n = contour.len();
+    if n > 8 || !is_simple(&contour.points) {
+        return None;
+    }
+    let wanted: Vec<f64> = (0..n).map(|i| contour.angle(i) / std::f64::consts::FRAC_PI_2).collect();
+    let mut out = ClosureResult::default();
+    close(&contour.points, &wanted, &mut out)?;
+    let quads = out.quads().iter().map(|q| q.map(u32::from)).collect();
+    Some(Patch { points: out.points().to_vec(), quads, children: Vec::new() })
+}
+
+/// Exact: no two segments meet but neighbours in their common node. Cost O(n²), for few nodes.
+fn is_simple(p: &[Point2]) -> bool {
+    let n = p.len();
+    (0..n).all(|i| {
+        let (a, b) = (p[i], p[(i + 1) % n]);
+        let apart = |j: usize| meeting(a, b, p[j], p[(j + 1) % n]) == Meeting::Apart;
+        let c = p[(i + 2) % n];
+        a != b
+            && !on_segment(a, b, c)
+            && !on_segment(b, c, a)
+            && (i + 2..n).all(|j| (j + 1) % n == i || apart(j))
+    })
+}
+
+/// Contours with at least this many nodes are tried with inner points first. Smaller ones have no room for them.
 const STEINER_FROM: usize = 8;
 
 /// Checks the lists, not the geometry.
 fn check(contour: &Contour) -> Result<(), FallbackError> {
+    check_points(contour, 4)?;
+    let n_nodes = contour.len();
+    if n_nodes % 2 == 1 { Err(FallbackError::Odd { n_nodes }) } else { Ok(()) }
+}
+
+/// The checks that odd and even contours have in common.
+fn check_points(contour: &Contour, least: usize) -> Result<(), FallbackError> {
     let n = contour.points.len();
-    if n < 4 || contour.ids.len() != n {
+    if n < least || contour.ids.len() != n {
         return Err(FallbackError::TooFewNodes { n_nodes: n });
-    }
-    if n % 2 == 1 {
-        return Err(FallbackError::Odd { n_nodes: n });
     }
     match contour.points.iter().position(|p| !p.is_finite() || p.abs().max_element() > LARGEST) {
         Some(at) => Err(FallbackError::NotFinite { at }),

@@ -30,9 +30,9 @@ const MAX_ROUNDS: usize = 400;
 /// A distance below this share of the coordinates is below the floating-point grid.
 const GRID: f64 = 4.0 * f64::EPSILON;
 
-/// Fills the contour. `inner_points`: with free points inside.
-pub(super) fn fill(contour: &Contour, inner_points: bool) -> Result<Patch, FallbackError> {
-    let mut ring = Ring::new(contour, inner_points)?;
+/// Fills the contour. `inner_points`: with free points inside. `flip`: with the worse choice of the odd nodes.
+pub(super) fn fill(contour: &Contour, inner_points: bool, flip: bool) -> Result<Patch, FallbackError> {
+    let mut ring = Ring::new(contour, inner_points, flip)?;
     ring.settle()?;
     ring.emit()
 }
@@ -78,7 +78,7 @@ fn cell<T: Copy>([e, d, o_d, o_e]: [T; 4], t: T, x: T, y: T, odd_first: bool) ->
 }
 
 impl<'a> Ring<'a> {
-    fn new(contour: &'a Contour, inner_points: bool) -> Result<Self, FallbackError> {
+    fn new(contour: &'a Contour, inner_points: bool, flip: bool) -> Result<Self, FallbackError> {
         let n = contour.len();
         let p = &contour.points;
         let angle: Vec<f64> = (0..n).map(|i| contour.angle(i)).collect();
@@ -97,7 +97,7 @@ impl<'a> Ring<'a> {
             };
             (0..n).map(of).sum()
         };
-        let phase = usize::from(cost(1) < cost(0));
+        let phase = usize::from((cost(1) < cost(0)) != flip);
         let wide: Vec<bool> = (0..n).map(|i| (i + phase) % 2 == 1 && angle[i] > WEDGE_ANGLE).collect();
         let out = |i: usize| (p[(i + 1) % n] - p[i]).normalize_or_zero();
         let bisector: Vec<Point2> = (0..n).map(|i| rotated(out(i), 0.5 * angle[i])).collect();

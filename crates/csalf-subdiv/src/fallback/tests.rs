@@ -199,7 +199,7 @@ proptest! {
 fn the_count_is_6n_minus_6_without_inner_points_and_wedges() {
     // Handbook A.18: n = 8.
     let v: Vec<Point2> = (0..8).map(|i| Point2::from_angle(TAU * i as f64 / 8.0)).collect();
-    let patch = ring::fill(&ring(&v), false).unwrap();
+    let patch = ring::fill(&ring(&v), false, false).unwrap();
     assert_eq!(patch.quads.len(), 42);
 }
 
@@ -324,5 +324,47 @@ fn quality_is_bearable_in_round_contours() {
         let c = ring(&v);
         let patch = certify(&c).unwrap();
         assert!(min_sj(&c, &patch) > 0.1, "{n}: {} with {} quads", min_sj(&c, &patch), patch.quads.len());
+    }
+}
+
+#[test]
+fn simple_contours_of_few_nodes_get_a_stencil() {
+    let square = ring(&[p(0., 0.), p(1., 0.), p(1., 1.), p(0., 1.)]);
+    assert_eq!(certify(&square).unwrap().quads, [[0, 1, 2, 3]]);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 500, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn either_choice_of_odd_nodes_works(seed: u64, half in 2usize..20, flip: bool, inner: bool) {
+        let c = ring(&two_opt(seed, 2 * half));
+        prop_assert_eq!(ring::fill(&c, inner, flip).err(), None);
+    }
+
+    #[test]
+    fn odd_polygons_get_one_triangle(seed: u64, half in 1usize..20) {
+        let n = 2 * half + 1;
+        let c = ring(&two_opt(seed, n));
+        let odd = fill_odd(&c, Tolerance::of_diagonal(1.0));
+        prop_assert!(odd.is_ok(), "{:?}", odd);
+        let OddPatch { triangle, patch } = odd.unwrap_or_default();
+        let [a, b, d] = triangle.map(|i| c.points[i as usize]);
+        prop_assert!(is_left(a, b, d));
+        let mut area = 0.5 * (b - a).perp_dot(d - a);
+        let mut sides: Vec<_> = (0..3).map(|k| (triangle[k], triangle[(k + 1) % 3])).collect();
+        for q in &patch.quads {
+            let v = q.map(|k| patch.point(&c, k));
+            prop_assert!((0..4).all(|k| is_left(v[k], v[(k + 1) & 3], v[(k + 2) & 3])));
+            area += signed_area(&v);
+            sides.extend((0..4).map(|k| (q[k], q[(k + 1) & 3])));
+        }
+        sides.sort_unstable();
+        let rim: Vec<_> =
+            sides.iter().copied().filter(|&(a, b)| sides.binary_search(&(b, a)).is_err()).collect();
+        let mut want: Vec<_> = (0..n as u32).map(|i| (i, (i + 1) % n as u32)).collect();
+        want.sort_unstable();
+        prop_assert_eq!(rim, want);
+        prop_assert!((area - signed_area(&c.points)).abs() < 1e-9);
     }
 }
