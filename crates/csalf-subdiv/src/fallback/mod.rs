@@ -10,14 +10,14 @@
 //!      b3 o3 ─t─ o0  b0
 //! ```
 //!
-//! 1. [`corners`]: constrained Delaunay triangulation of the contour nodes; the triangles inside are found by
+//! 1. `corners`: constrained Delaunay triangulation of the contour nodes; the triangles inside are found by
 //!    walking from the left sides of the contour segments, and each of their corners belongs to one occurrence.
-//! 2. [`ring`]: pull the corners of occurrence i off the contour, to `o_i` in its angle, by a distance chosen per
+//! 2. `ring`: pull the corners of occurrence i off the contour, to `o_i` in its angle, by a distance chosen per
 //!    occurrence. The triangles keep their connectivity; a strip of four-sided cells remains along the contour.
 //! 3. Split each triangle into three quads by its middle and the middles of its edges. Split each cell into three
 //!    quads that match: the inner edge has a middle, of its two spokes only that at the odd occurrence has one. For
 //!    an even number of occurrences this closes. No contour segment is split.
-//! 4. Odd occurrences wider than [`ring::WEDGE_ANGLE`] get two spokes and a wedge of three quads between them. Even
+//! 4. Odd occurrences wider than 216° get two spokes and a wedge of three quads between them. Even
 //!    ones have four quads each and need no care: even a slit tip (360°) at `b0` leaves a triangle
 //!    (b1, o1, o0) with the three points b0, x2, t on its three sides.
 //! 5. Every quad is checked by exact `orient2d` on the final coordinates. Where a check fails, the distances nearby

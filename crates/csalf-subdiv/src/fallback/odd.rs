@@ -32,7 +32,7 @@ pub struct OddPatch {
 pub fn fill_odd(contour: &Contour, tolerance: Tolerance) -> Result<OddPatch, FallbackError> {
     let n = contour.len();
     check_points(contour, 3)?;
-    if n % 2 == 0 {
+    if n.is_multiple_of(2) {
         return Err(FallbackError::Even { n_nodes: n });
     }
     let inner = corners::triangulate(contour, &vec![false; n], &[], false)?;
