@@ -3,15 +3,23 @@
 //! - [`front`]: the six loop fronts of Table I; [`classify`]: which node gets which.
 //! - [`place`]: where their new nodes go; [`laws`]: how thick the layers are.
 //! - [`ring`]: the ring of a whole loop as connectivity, with no closure needed.
+//! - [`driver`]: Algorithm I, layers around all loops of a region; [`evaluate`]: the tests that a ring must pass.
 
+mod build;
 pub mod classify;
+pub mod driver;
+pub mod evaluate;
 pub mod front;
+mod index;
 pub mod laws;
 pub mod place;
+pub mod relax;
 pub mod ring;
 pub mod shape;
 pub mod spec;
 
+pub use driver::{LayerTask, Layers, Walk, WalkKind, WalkReport, pave_layers};
+pub use evaluate::Stop;
 pub use front::Front;
 pub use place::PavingRules;
 pub use ring::{NoRing, Ring, Role};

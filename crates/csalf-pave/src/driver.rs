@@ -1,0 +1,476 @@
+//! Algorithm I: layers around all loops of a region, one ring per loop and cycle, until they meet.
+//!
+//! ```text
+//!   cycle:   holes by perimeter ──▶ scars and points ──▶ outer loop
+//!   ring:    build aside ──▶ tests ──▶ commit whole, or drop and try thinner, then in part, then stop the loop
+//! ```
+//!
+//! 1. [`wanted_layers`] decides how many layers each loop gets: as asked, or by its kind (handbook 3.3).
+//! 2. Every cycle builds a ring for each loop that still wants one, aside (`build`).
+//! 3. All fronts and proposed rings go into one index; the rings are tested in order, each against what stands by
+//!    then, and committed. Inner loops come first, the outer loop last (paper, Algorithm I).
+//! 4. A ring that fails is tried again: with thickness capped by the room there is (default layers), then without
+//!    the stretches where it failed (handbook 2.7). If that fails too, the loop has its last front.
+//!
+//! Guarantees: all quads strictly convex, all fronts simple and apart from each other, by exact predicates; the
+//! parity of every loop is kept. What is left over is bounded by the fronts. Cost O(n log n) per cycle.
+//! Source: paper, Algorithm I and section 4.3; handbook 3.
+
+use crate::build::{Candidate, Failure, LoopState, NEW, Order, build, build_point};
+use crate::evaluate::{self, Others, Stop};
+use crate::index::{Index, Segment, distance};
+use crate::laws::{Thickness, thickness};
+use crate::{LayerSpec, PavingRules};
+use csalf_geom::{Point2, Tolerance, polygon};
+use csalf_sizemap::{Hint, SizeField};
+
+/// What a walk bounds.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, PartialOrd, Ord)]
+pub enum WalkKind {
+    /// The rim of a hole, clockwise.
+    Hole,
+    /// A scar that touches no loop: both sides, 2e occurrences of e + 1 nodes.
+    Scar,
+    /// An isolated point: one occurrence.
+    Point,
+    /// The outer loop, counter-clockwise, with all that is attached to it.
+    Outer,
+}
+
+/// One boundary of the region, material on the left.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Walk {
+    /// Node ids, one per occurrence.
+    pub nodes: Vec<u32>,
+    /// What it bounds.
+    pub kind: WalkKind,
+    /// Layers that the user asked for; `None`: by rule.
+    pub asked: Option<LayerSpec>,
+}
+
+/// A region and how it is to be layered.
+#[derive(Clone, Copy, Debug)]
+pub struct LayerTask<'a> {
+    /// Nodes of the input.
+    pub points: &'a [Point2],
+    /// All boundaries of the region.
+    pub walks: &'a [Walk],
+    /// How large the quads shall be.
+    pub size: &'a dyn SizeField,
+    /// Length thresholds of the run.
+    pub tolerance: Tolerance,
+    /// Placement formulas.
+    pub rules: PavingRules,
+    /// Layers by rule on loops that nobody asked for.
+    pub defaults: bool,
+    /// Allow rings that leave stretches of a loop uncovered.
+    pub partial: bool,
+}
+
+/// What became of the layers of one walk.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct WalkReport {
+    /// Layers asked for, by the user or by rule.
+    pub asked: usize,
+    /// Layers made in full: all around, and as thick as asked to 2 %.
+    pub made: usize,
+    /// Further layers made in part or thinner.
+    pub reduced: usize,
+    /// Why there are not more, if there are fewer than asked.
+    pub stopped: Option<Stop>,
+    /// Largest relative thickness error of the layers made in full.
+    pub thickness_error: f64,
+}
+
+/// All layers of a region.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Layers {
+    /// New points; their ids follow those of the input.
+    pub points: Vec<Point2>,
+    /// Quads: ids of the input's nodes, then of the new ones.
+    pub quads: Vec<[u32; 4]>,
+    /// Per quad: the walk and the number of the layer, from 0.
+    pub quad_layer: Vec<(u32, u32)>,
+    /// What is left to be meshed, one front per walk in the same order, material on the left.
+    pub fronts: Vec<Vec<u32>>,
+    /// Per walk.
+    pub reports: Vec<WalkReport>,
+    /// Nodes of the last rings, ascending, and the mean length of the front there: what the size field
+    /// should know before the rest is meshed.
+    pub ring_sizes: Vec<(u32, f64)>,
+}
+
+/// A walk on its way inward.
+struct Path<'a> {
+    state: LoopState,
+    kind: WalkKind,
+    spec: LayerSpec,
+    user: bool,
+    /// Mean segment length of the walk.
+    mean: f64,
+    done: usize,
+    active: bool,
+    index: u32,
+    report: WalkReport,
+    /// Nodes of the walk itself, for point rings.
+    walk: &'a Walk,
+}
+
+/// Layers by rule: holes 2 (3 if round and smaller than three wanted edges), scars and points 1, the outer loop 1.
+/// Handbook 3.3, 3.4.
+pub fn wanted_layers(kind: WalkKind, points: &[Point2], far: f64) -> usize {
+    match kind {
+        WalkKind::Hole => {
+            let (a, p) = (polygon::signed_area(points).abs(), polygon::perimeter(points));
+            let round = 4.0 * std::f64::consts::PI * a > 0.9 * p * p;
+            let diameter = 2.0 * (a / std::f64::consts::PI).sqrt();
+            if round && diameter < 3.0 * far { 3 } else { 2 }
+        }
+        WalkKind::Scar | WalkKind::Point | WalkKind::Outer => 1,
+    }
+}
+
+/// Lays rings around all walks of a region. Never fails: a walk that takes no ring keeps its nodes as front.
+/// Walks must be simple and apart from each other; if they are not, rings are refused where they would meet.
+pub fn pave_layers(task: &LayerTask<'_>) -> Layers {
+    let mut out = Layers::default();
+    let mut all = task.points.to_vec();
+    let mut hint = Hint::default();
+    let mut paths: Vec<Path<'_>> = task.walks.iter().enumerate().map(|(i, w)| path(task, i, w)).collect();
+    let mut order: Vec<usize> = (0..paths.len()).collect();
+    let rank = |p: &Path<'_>| match p.kind {
+        WalkKind::Hole => 0,
+        WalkKind::Scar | WalkKind::Point => 1,
+        WalkKind::Outer => 2,
+    };
+    order.sort_by(|&i, &j| {
+        let (a, b) = (&paths[i], &paths[j]);
+        let length = |p: &Path<'_>| p.mean * p.state.nodes.len() as f64;
+        rank(a).cmp(&rank(b)).then(length(a).total_cmp(&length(b))).then(i.cmp(&j))
+    });
+    while paths.iter().any(|p| p.active) {
+        cycle(task, &mut paths, &order, &mut all, &mut out, &mut hint);
+    }
+    out.points = all.split_off(task.points.len());
+    let mut sizes = Vec::new();
+    for p in paths {
+        let n = p.state.nodes.len();
+        for k in 0..n {
+            if p.state.nodes[k] as usize >= task.points.len() {
+                let q = &p.state.points;
+                let l = 0.5 * (q[k].distance(q[(k + n - 1) % n]) + q[k].distance(q[(k + 1) % n]));
+                sizes.push((p.state.nodes[k], l));
+            }
+        }
+        out.fronts.push(p.state.nodes);
+        out.reports.push(p.report);
+    }
+    sizes.sort_by_key(|s| s.0);
+    sizes.dedup_by_key(|s| s.0);
+    out.ring_sizes = sizes;
+    out
+}
+
+fn path<'a>(task: &LayerTask<'_>, index: usize, walk: &'a Walk) -> Path<'a> {
+    let n = walk.nodes.len();
+    let points: Vec<Point2> = walk.nodes.iter().map(|&v| task.points[v as usize]).collect();
+    let mut hint = Hint::default();
+    let mean = if n > 1 {
+        polygon::perimeter(&points) / n as f64
+    } else {
+        points.first().map_or(1.0, |p| task.size.h(*p, &mut hint))
+    };
+    let user = walk.asked.is_some();
+    let spec = walk.asked.clone().unwrap_or_else(|| LayerSpec {
+        count: if task.defaults { wanted_layers(walk.kind, &points, task.size.range().1) } else { 0 },
+        ..LayerSpec::default()
+    });
+    let usable = mean.is_finite() && mean > task.tolerance.merge() && (n == 1 || n >= 4);
+    Path {
+        state: LoopState {
+            nodes: walk.nodes.clone(),
+            points,
+            below: vec![0; n],
+            open: vec![true; n],
+            geometry: vec![true; n],
+        },
+        kind: walk.kind,
+        user,
+        mean,
+        done: 0,
+        active: spec.count > 0 && usable,
+        index: index as u32,
+        report: WalkReport { asked: spec.count, ..WalkReport::default() },
+        spec,
+        walk,
+    }
+}
+
+/// One ring for every loop that wants one.
+fn cycle(
+    task: &LayerTask<'_>,
+    paths: &mut [Path<'_>],
+    order: &[usize],
+    all: &mut Vec<Point2>,
+    out: &mut Layers,
+    hint: &mut Hint,
+) {
+    let mut tries: Vec<Try> = order
+        .iter()
+        .filter(|&&i| paths[i].active)
+        .map(|&path| Try { path, stage: Stage::Whole, banned: Vec::new(), first: None })
+        .collect();
+    // The first ring of a hard point looks for the nearest front.
+    let points = tries.iter().any(|t| paths[t.path].kind == WalkKind::Point && paths[t.path].done == 0);
+    let mut standing = points.then(|| Index::new(&segments(paths, &[])));
+    while !tries.is_empty() {
+        let mut proposals: Vec<(usize, Candidate)> = Vec::new();
+        let mut verdicts: Vec<Option<Failure>> = vec![None; tries.len()];
+        for (k, t) in tries.iter().enumerate() {
+            match propose(task, &paths[t.path], t, standing.as_ref(), all, hint) {
+                Ok(c) => proposals.push((k, c)),
+                Err(f) => verdicts[k] = Some(f),
+            }
+        }
+        let named: Vec<_> = proposals.iter().map(|(k, c)| (tries[*k].path as u32, c)).collect();
+        let index = Index::new(&segments(paths, &named));
+        let mut committed = vec![false; paths.len()];
+        for (k, c) in proposals {
+            let i = tries[k].path;
+            let p = &mut paths[i];
+            let others = Others {
+                index: &index,
+                own: p.index,
+                committed: &committed,
+                gap: if p.user { 0.5 } else { 1.2 },
+            };
+            let corners = |q: usize| {
+                c.quads[q].map(|v| if v >= NEW { c.points[(v - NEW) as usize] } else { all[v as usize] })
+            };
+            let mut verdict = evaluate::against(&c, &p.state, &others, corners);
+            if verdict.is_ok() && !p.user && p.state.nodes.len() > 1 {
+                verdict = evaluate::after(&p.state, &c, p.kind == WalkKind::Outer);
+            }
+            match verdict {
+                Ok(()) => {
+                    committed[i] = true;
+                    commit(p, c, tries[k].stage, all, out);
+                }
+                Err(f) => verdicts[k] = Some(f),
+            }
+        }
+        let mut again = Vec::new();
+        for (mut t, verdict) in tries.into_iter().zip(verdicts) {
+            let Some(failure) = verdict else { continue };
+            let p = &mut paths[t.path];
+            t.first.get_or_insert(failure.stop);
+            match t.stage.after(&failure, p, task.partial, &mut t.banned) {
+                Some(stage) => again.push(Try { stage, ..t }),
+                None => {
+                    p.active = false;
+                    p.report.stopped = t.first;
+                }
+            }
+        }
+        tries = again;
+        if !tries.is_empty() {
+            standing = Some(Index::new(&segments(paths, &[])));
+        }
+    }
+}
+
+/// How a ring is tried.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Stage {
+    /// As wanted.
+    Whole,
+    /// Thickness capped by the room there is.
+    Capped,
+    /// Without the stretches that failed so far; how often already.
+    Part(u8),
+}
+
+/// One path of a cycle that still looks for a ring.
+struct Try {
+    path: usize,
+    stage: Stage,
+    /// Edges to be left uncovered; empty: none.
+    banned: Vec<bool>,
+    /// Why the first attempt failed.
+    first: Option<Stop>,
+}
+
+impl Stage {
+    /// Most partial attempts: each adds the stretches where the last one failed.
+    const PARTS: u8 = 4;
+
+    /// What to try after this stage failed; `None`: give up. Marks the stretches to be left out.
+    fn after(self, f: &Failure, p: &Path<'_>, partial: bool, banned: &mut Vec<bool>) -> Option<Self> {
+        let n = p.state.nodes.len();
+        let hopeless = matches!(
+            f.stop,
+            Stop::Short | Stop::UnevenFronts | Stop::FarFromSize | Stop::Thick | Stop::LittleLeft
+        );
+        if n < 4 || hopeless {
+            return None;
+        }
+        let next = match self {
+            Self::Whole if !p.user => return Some(Self::Capped),
+            Self::Whole | Self::Capped => Self::Part(1),
+            Self::Part(k) => Self::Part(k + 1),
+        };
+        if !partial || n < 12 || f.at.is_empty() || next == Self::Part(Self::PARTS + 1) {
+            return None;
+        }
+        banned.resize(n, false);
+        for &i in &f.at {
+            let i = i as usize;
+            for k in [i + n - 2, i + n - 1, i, i + 1] {
+                banned[k % n] = true;
+            }
+        }
+        Some(next)
+    }
+}
+
+/// Builds the next ring of a path, or says why there is none.
+fn propose(
+    task: &LayerTask<'_>,
+    p: &Path<'_>,
+    attempt: &Try,
+    index: Option<&Index>,
+    all: &[Point2],
+    hint: &mut Hint,
+) -> Result<Candidate, Failure> {
+    let far = p.state.points.first().map_or(p.mean, |q| task.size.h(*q, hint));
+    let t = thickness(&p.spec, p.done, p.mean, far);
+    if p.walk.kind == WalkKind::Point && p.done == 0 {
+        let (Some(&id), Some(&at)) = (p.state.nodes.first(), p.state.points.first()) else {
+            return Err(Stop::Short.into());
+        };
+        let t = match t {
+            Thickness::Fixed(t) => t,
+            Thickness::Isotropic(f) => f * p.mean,
+        };
+        return Ok(build_point(id, at, t, tangent(at, t, p.index, index)));
+    }
+    if !p.user {
+        evaluate::before(&p.state, task.size, hint)?;
+        if p.done > 0 && coarse(p, task, hint) {
+            return Err(Stop::Thick.into());
+        }
+    }
+    let caps = match (attempt.stage, index) {
+        (Stage::Capped, Some(index)) => Some(room(p, index)),
+        _ => None,
+    };
+    let order = Order {
+        thickness: t,
+        user: p.user,
+        rules: task.rules,
+        field: task.size,
+        caps: caps.as_deref(),
+        banned: (!attempt.banned.is_empty()).then_some(&attempt.banned),
+    };
+    build(&p.state, &order, all)
+}
+
+/// The fronts have become longer than 1.4 wanted edges on average (handbook 3.4).
+fn coarse(p: &Path<'_>, task: &LayerTask<'_>, hint: &mut Hint) -> bool {
+    let n = p.state.nodes.len();
+    let sum: f64 = (0..n)
+        .map(|i| {
+            p.state.points[i].distance(p.state.points[(i + 1) % n]) / task.size.h(p.state.points[i], hint)
+        })
+        .sum();
+    sum > 1.4 * n as f64
+}
+
+/// Direction of the nearest front, for the first ray at a hard point; the x axis if there is none near.
+fn tangent(p: Point2, t: f64, own: u32, index: Option<&Index>) -> Point2 {
+    let Some(index) = index else { return Point2::X };
+    let mut reach = 2.0 * t;
+    for _ in 0..24 {
+        let mut best = (f64::INFINITY, Point2::X);
+        index.query(p - reach, p + reach, |s| {
+            let d = distance(p, s.a, s.b);
+            if s.owner != own && s.a != s.b && d < best.0 && d <= reach {
+                best = (d, (s.b - s.a).normalize_or(Point2::X));
+            }
+        });
+        if best.0.is_finite() {
+            return best.1;
+        }
+        reach *= 2.0;
+    }
+    Point2::X
+}
+
+/// Medial caps: half of what lies between a node and the nearest other front, less a corridor of 0.8 edges
+/// (handbook 2.3).
+fn room(p: &Path<'_>, index: &Index) -> Vec<f64> {
+    let n = p.state.nodes.len();
+    (0..n)
+        .map(|i| {
+            let q = p.state.points[i];
+            let s =
+                0.5 * (q.distance(p.state.points[(i + 1) % n]) + q.distance(p.state.points[(i + n - 1) % n]));
+            let reach = 4.0 * s;
+            let mut d = f64::INFINITY;
+            index.query(q - reach, q + reach, |f| {
+                if f.owner != p.index {
+                    d = d.min(distance(q, f.a, f.b));
+                }
+            });
+            (0.5 * (d - 1.2 * s)).max(0.0)
+        })
+        .collect()
+}
+
+/// All standing fronts and all proposed rings.
+fn segments(paths: &[Path<'_>], proposals: &[(u32, &Candidate)]) -> Vec<Segment> {
+    let total = paths.iter().map(|p| p.state.nodes.len()).sum::<usize>()
+        + proposals.iter().map(|c| c.1.next.nodes.len()).sum::<usize>();
+    let mut out = Vec::with_capacity(total);
+    let mut add = |points: &[Point2], owner: u32, proposed: bool| {
+        let n = points.len();
+        for i in 0..n {
+            let (a, b) = (points[i], points[if i + 1 == n { 0 } else { i + 1 }]);
+            out.push(Segment { a, b, owner, at: i as u32, proposed });
+        }
+    };
+    for p in paths {
+        add(&p.state.points, p.index, false);
+    }
+    for (i, c) in proposals {
+        add(&c.next.points, *i, true);
+    }
+    out
+}
+
+fn commit(p: &mut Path<'_>, c: Candidate, stage: Stage, all: &mut Vec<Point2>, out: &mut Layers) {
+    let base = all.len() as u32;
+    let id = |v: u32| if v >= NEW { base + (v - NEW) } else { v };
+    all.extend_from_slice(&c.points);
+    out.quads.extend(c.quads.iter().map(|q| q.map(id)));
+    out.quad_layer.extend(c.quads.iter().map(|_| (p.index, p.done as u32)));
+    p.state = c.next;
+    for v in &mut p.state.nodes {
+        *v = id(*v);
+    }
+    let exact = !matches!(thickness(&p.spec, p.done, p.mean, p.mean), Thickness::Fixed(_))
+        || c.thickness_error <= 0.02;
+    if c.full && exact && stage == Stage::Whole {
+        p.report.made += 1;
+        if p.user {
+            p.report.thickness_error = p.report.thickness_error.max(c.thickness_error);
+        }
+    } else {
+        p.report.reduced += 1;
+    }
+    p.done += 1;
+    p.active = p.done < p.spec.count;
+}
+
+#[cfg(test)]
+mod tests;
