@@ -226,7 +226,7 @@ impl Work {
     }
 
     /// Peels the pair (handbook 2.4), or makes the blunter of the two flat.
-    fn part_corners(&mut self, order: &Order<'_>) -> Result<(), Stop> {
+    fn part_corners(&mut self, order: &Order<'_>) {
         while let Some(i) = self.corner_pair() {
             let (x, j) = self.around(i);
             let (_, c) = self.around(j);
@@ -256,10 +256,11 @@ impl Work {
                 let k = if self.theta[i] > self.theta[j] { i } else { j };
                 self.fronts[k] = Front::Flat;
             } else {
-                return Err(Stop::Narrow);
+                // A finger too narrow for a layer: both stay on the new loop.
+                self.fronts[i] = Front::Acute;
+                self.fronts[j] = Front::Acute;
             }
         }
-        Ok(())
     }
 }
 
@@ -275,7 +276,7 @@ pub(crate) fn build(state: &LoopState, order: &Order<'_>, all: &[Point2]) -> Res
         return Err(Stop::Short.into());
     }
     let mut w = Work::new(state, order);
-    w.part_corners(order)?;
+    w.part_corners(order);
     let mut cover: Vec<bool> = w.s.open.iter().zip(&w.banned).map(|(o, b)| *o && !b).collect();
     let roles = chains(&w, &mut cover)?;
     let ring = Ring::new(&roles).map_err(|e| match e {

@@ -173,7 +173,9 @@ pub fn pave_layers(task: &LayerTask<'_>) -> Layers {
 
 fn path<'a>(task: &LayerTask<'_>, index: usize, walk: &'a Walk) -> Path<'a> {
     let n = walk.nodes.len();
-    let points: Vec<Point2> = walk.nodes.iter().map(|&v| task.points[v as usize]).collect();
+    let sound = walk.nodes.iter().all(|&v| (v as usize) < task.points.len());
+    let points: Vec<Point2> =
+        walk.nodes.iter().map(|&v| task.points.get(v as usize).copied().unwrap_or_default()).collect();
     let mut hint = Hint::default();
     let mean = if n > 1 {
         polygon::perimeter(&points) / n as f64
@@ -185,7 +187,7 @@ fn path<'a>(task: &LayerTask<'_>, index: usize, walk: &'a Walk) -> Path<'a> {
         count: if task.defaults { wanted_layers(walk.kind, &points, task.size.range().1) } else { 0 },
         ..LayerSpec::default()
     });
-    let usable = mean.is_finite() && mean > task.tolerance.merge() && (n == 1 || n >= 4);
+    let usable = sound && mean.is_finite() && mean > task.tolerance.merge() && (n == 1 || n >= 4);
     Path {
         state: LoopState {
             nodes: walk.nodes.clone(),
@@ -319,7 +321,13 @@ impl Stage {
             Self::Whole | Self::Capped => Self::Part(1),
             Self::Part(k) => Self::Part(k + 1),
         };
-        if !partial || n < 12 || f.at.is_empty() || next == Self::Part(Self::PARTS + 1) {
+        // A second layer that nobody asked for is not worth a ragged end.
+        if !partial
+            || n < 12
+            || f.at.is_empty()
+            || (!p.user && p.done > 0)
+            || next == Self::Part(Self::PARTS + 1)
+        {
             return None;
         }
         banned.resize(n, false);

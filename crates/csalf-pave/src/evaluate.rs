@@ -223,9 +223,11 @@ pub(crate) fn against(
                 continue; // an uncovered edge of the old loop
             }
             let (a, b) = (c.next.points[k], c.next.points[next(k)]);
-            let reach = others.gap * a.distance(b);
-            let (lo, hi) = (a.min(b) - reach, a.max(b) + reach);
+            let length = a.distance(b);
             for s in &near {
+                // What lies between two fronts has lengths between theirs.
+                let reach = others.gap * 0.5 * (length + length.min(s.a.distance(s.b)));
+                let (lo, hi) = (a.min(b) - reach, a.max(b) + reach);
                 if s.a.min(s.b).cmpgt(hi).any() || s.a.max(s.b).cmplt(lo).any() {
                     continue;
                 }
