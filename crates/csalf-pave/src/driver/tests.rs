@@ -268,7 +268,7 @@ proptest! {
         }
         let law = [LayerLaw::Auto, LayerLaw::Constant, LayerLaw::Ramp, LayerLaw::Parabolic, LayerLaw::Fibonacci, LayerLaw::Geometric(1.3)][law as usize].clone();
         for (i, w) in s.walks.iter_mut().enumerate() {
-            if (seed as usize + i) % 3 > 0 {
+            if !(seed as usize + i).is_multiple_of(3) {
                 w.asked = Some(LayerSpec { count, law: law.clone(), first });
             }
         }
