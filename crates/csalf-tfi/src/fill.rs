@@ -17,7 +17,7 @@
 //! Source: handbook 5.5. Cost: about 40 ns per quad, 20 ns per quad and sweep more with relaxation.
 
 use crate::coons::{Side, interpolate};
-use crate::pattern::{Chords, MAX_VERTICES, Pattern};
+use crate::pattern::{Chords, MAX_INNER, MAX_VERTICES, Pattern};
 use csalf_geom::Point2;
 use csalf_sizemap::{Hint, SizeField};
 
@@ -26,7 +26,7 @@ use csalf_sizemap::{Hint, SizeField};
 pub struct Filler {
     /// The ring, then the new points.
     pub points: Vec<Point2>,
-    /// Quads; names below the length of the ring are ring nodes, counted from the pattern's first corner.
+    /// Quads; names below the length of the ring are ring nodes.
     pub quads: Vec<[u32; 4]>,
     sides: [Side; 4],
     edge_base: Vec<u32>,
@@ -50,7 +50,7 @@ impl Filler {
         }
     }
 
-    /// Fills the ring. `ring` yields the nodes from the pattern's boundary vertex 0 on, as many as the boundary
+    /// Fills the ring; its node `start` is the pattern's boundary vertex 0, and it has as many nodes as the boundary
     /// edges of the pattern have subdivisions by `x`. `real` are the subdivisions of the mesh that is forecast (`x`
     /// itself, unless this is a coarse trial): they pull the inner vertices of the pattern.
     pub fn fill(
@@ -58,6 +58,7 @@ impl Filler {
         pattern: &Pattern,
         x: &Chords,
         ring: impl Iterator<Item = Point2>,
+        start: u32,
         size: &dyn SizeField,
         real: &Chords,
     ) {
@@ -70,9 +71,9 @@ impl Filler {
         let count = |e: usize| x[pattern.chord[e] as usize];
         // Boundary vertices of the pattern.
         let mut name = [0u32; MAX_VERTICES];
-        let mut at = 0;
+        let (mut at, ring) = (0, n as u32);
         for (k, slot) in name.iter_mut().enumerate().take(nb) {
-            *slot = at;
+            *slot = (start + at) % ring;
             at += count(k);
         }
         self.n_ring = n;
@@ -112,7 +113,13 @@ impl Filler {
                     let v = match i {
                         0 => va,
                         i if i == m => vb,
-                        i if (e as usize) < nb => va + i,
+                        i if (e as usize) < nb => {
+                            if va + i < ring {
+                                va + i
+                            } else {
+                                va + i - ring
+                            }
+                        }
                         i => self.edge_base[e as usize] + i - 1,
                     };
                     side.names.push(v);
@@ -195,7 +202,7 @@ pub fn tutte(
     size: Option<&dyn SizeField>,
     hint: &mut Hint,
 ) {
-    const M: usize = MAX_VERTICES;
+    const M: usize = MAX_INNER;
     let nb = pattern.n_boundary;
     let n = pattern.n_vertices - nb;
     let mut m = [[0.0f64; M]; M];

@@ -19,6 +19,8 @@ pub const MAX_CHORDS: usize = 16;
 pub const MAX_SIDES: usize = 6;
 /// Most vertices of a pattern.
 pub const MAX_VERTICES: usize = 40;
+/// Most inner vertices of a pattern.
+pub const MAX_INNER: usize = 12;
 
 /// A pattern as it stands in the table: boundary vertices `0..n_boundary` counter-clockwise from the first corner,
 /// then the inner ones.

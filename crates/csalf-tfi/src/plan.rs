@@ -14,7 +14,7 @@
 use crate::corners::{Interpretation, Survey, along};
 use crate::fill::{Filler, tutte};
 use crate::pattern::{Chords, MAX_CHORDS, MAX_SIDES, MAX_VERTICES, Pattern};
-use crate::quality::{shape, size_errors};
+use crate::quality::{fit, shape};
 use crate::rules::{TfiMode, TfiRules};
 use crate::table::patterns;
 use csalf_geom::Point2;
@@ -22,11 +22,13 @@ use csalf_mesh::{Appraisal, RegionTask};
 use csalf_sizemap::Hint;
 
 /// Most subdivisions of a chord in a coarse trial.
-const COARSE: u32 = 4;
+const COARSE: u32 = 3;
 /// Most interpretations that are matched with patterns.
 const MAX_INTERPRETATIONS: usize = 6;
 /// Most coarse trials.
-const MAX_TRIALS: usize = 8;
+const MAX_TRIALS: usize = 5;
+/// A plan is not tried if a good one is better by this much in the forecast.
+const GAP: f64 = 0.15;
 /// Most chord solutions that are forecast per pattern and rotation.
 const MAX_SOLUTIONS: usize = 48;
 
@@ -43,19 +45,26 @@ pub struct Plan {
     pub sharpest: f64,
     /// Forecast misfit: lower is better.
     pub misfit: f64,
+    /// Root mean square of ln(edge length / h) in the coarse trial.
+    pub edge_misfit: f64,
     /// Forecast from the coarse trial.
     pub appraisal: Appraisal,
 }
 
 impl Plan {
-    /// Handbook 5.6: mean SJ + 0.5 min SJ - 0.15 ln(largest size error) - 0.02 per irregular vertex; and 0.3 ln of
-    /// the mean size error, by which the number of rings of a disk is chosen.
+    /// Handbook 5.6, with a term for the lengths of the edges, by which rings and splits are chosen:
+    /// mean SJ + 0.5 min SJ - 0.1 ln(largest size error) - 0.3 rms ln(edge/h) - 0.02 per irregular vertex.
     pub fn score(&self) -> f64 {
         let a = &self.appraisal;
-        a.mean_sj + 0.5 * a.min_sj
-            - 0.3 * a.size_error.ln()
-            - 0.15 * a.worst_size_error.ln()
-            - 0.02 * f64::from(a.n_irregular)
+        let size = 0.1 * a.worst_size_error.ln() + 0.3 * self.edge_misfit;
+        a.mean_sj + 0.5 * a.min_sj - size - 0.02 * f64::from(a.n_irregular)
+    }
+
+    /// True if no pattern with more irregular vertices could be much better.
+    fn good(&self) -> bool {
+        let a = &self.appraisal;
+        let sharp = if self.sharpest < 90.0 { self.sharpest.to_radians().sin() } else { 1.0 };
+        a.min_sj >= 0.65 * sharp && a.mean_sj >= 0.88 && a.worst_size_error <= 2.2 && self.edge_misfit <= 0.35
     }
 
     /// True if the rules accept a patch like the forecast. `slack` (0 to 1) weakens the thresholds of shape: the
@@ -89,28 +98,50 @@ pub fn plans(task: &RegionTask<'_>, rules: &TfiRules, filler: &mut Filler) -> Ve
             best[k] = Some(i);
         }
     });
+    let mut tried: Vec<Plan> = Vec::new();
     let mut found: Vec<Plan> = Vec::new();
-    for i in best.iter().flatten() {
-        if i.n == 0 {
-            disks(task, rules, i, &mut found);
-        } else {
-            match_patterns(task, rules, i, &mut found);
+    for extra in [false, true] {
+        found.clear();
+        for i in best.iter().flatten() {
+            if i.n > 0 {
+                match_patterns(task, rules, i, extra, &mut found);
+            } else if !extra {
+                disks(task, rules, i, &mut found);
+            }
+        }
+        found.sort_by(|a, b| a.misfit.total_cmp(&b.misfit));
+        found.truncate(MAX_TRIALS);
+        for mut p in found.drain(..) {
+            // The forecast ranks well, but not within small differences.
+            if tried.iter().any(|t| t.good() && t.misfit + GAP < p.misfit) {
+                break;
+            }
+            try_coarse(task, &mut p, filler);
+            tried.push(p);
+        }
+        if tried.iter().any(Plan::good) {
+            break;
         }
     }
-    found.sort_by(|a, b| a.misfit.total_cmp(&b.misfit));
-    found.truncate(MAX_TRIALS);
-    for p in &mut found {
-        try_coarse(task, p, filler);
-    }
-    found.sort_by(|a, b| b.score().total_cmp(&a.score()));
-    found
+    tried.sort_by(|a, b| b.score().total_cmp(&a.score()));
+    tried
 }
 
-fn match_patterns(task: &RegionTask<'_>, rules: &TfiRules, i: &Interpretation, found: &mut Vec<Plan>) {
+fn match_patterns(
+    task: &RegionTask<'_>,
+    rules: &TfiRules,
+    i: &Interpretation,
+    extra: bool,
+    found: &mut Vec<Plan>,
+) {
     let n = task.contour.len();
     let sides = i.sides(n);
     for pattern in patterns(i.n) {
         if rules.mode == TfiMode::Paper && pattern.n_irregular > 0 {
+            continue;
+        }
+        // Patterns with a 3-5 pair more than the number of corners asks for come second.
+        if (pattern.n_irregular > i.n.abs_diff(4).max(if i.n == 4 { 2 } else { 0 })) != extra {
             continue;
         }
         let turns = if pattern.is_rotation_of(pattern, pattern.sides.get(1).map_or(0, |&s| s as usize)) {
@@ -135,13 +166,13 @@ fn disks(task: &RegionTask<'_>, rules: &TfiRules, i: &Interpretation, found: &mu
     let half = n / 2;
     let rings = (f64::from(n) / 16.0).round().max(1.0) as u32;
     for pattern in patterns(0) {
-        for a in [n / 4, half / 3, half / 4] {
+        for a in [n / 4, half * 3 / 8, half / 3, half / 4] {
             if a < 1 || half <= a {
                 continue;
             }
             let b = half - a;
             let period = if a == b { a } else { half };
-            let step = (period / 8).max(1);
+            let step = (period / 12).max(1);
             for o in (0..period).step_by(step as usize) {
                 for m in [1, rings.div_ceil(2), rings] {
                     collect(task, rules, pattern, &[a, b, a, b], o, m, i, found);
@@ -176,6 +207,7 @@ fn collect(
             start,
             sharpest: i.sharpest,
             misfit,
+            edge_misfit: f64::MAX,
             appraisal: Appraisal {
                 min_sj: -1.0,
                 mean_sj: -1.0,
@@ -248,14 +280,14 @@ fn try_coarse(task: &RegionTask<'_>, plan: &mut Plan, filler: &mut Filler) {
         at += f64::from(plan.x[c]);
         (0..m).map(move |i| along(p, from + step * f64::from(i)))
     });
-    filler.fill(pattern, &x, ring, task.size, &plan.x);
+    filler.fill(pattern, &x, ring, 0, task.size, &plan.x);
     let n = filler.n_ring();
     if pattern.n_irregular > 0 {
         filler.relax(n, task.size, 6);
     }
     let s = shape(&filler.points, &filler.quads);
-    let share = |q: usize| filler.factor.get(q).map_or(1.0, |f| 1.0 / (f[0] * f[1]));
-    let (mean, worst) = size_errors(&filler.points, &filler.quads, task.size, usize::MAX, share);
+    let f = fit(&filler.points, &filler.quads, task.size, usize::MAX, &filler.factor);
+    plan.edge_misfit = f.edges;
     let a = &mut plan.appraisal;
-    (a.min_sj, a.mean_sj, a.size_error, a.worst_size_error) = (s.min_sj, s.mean_sj, mean, worst);
+    (a.min_sj, a.mean_sj, a.size_error, a.worst_size_error) = (s.min_sj, s.mean_sj, f.mean, f.worst);
 }

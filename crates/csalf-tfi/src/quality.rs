@@ -20,14 +20,16 @@ pub fn shape(points: &[Point2], quads: &[[u32; 4]]) -> Shape {
         let p = q.map(|v| points[v as usize]);
         let e = [p[1] - p[0], p[2] - p[1], p[3] - p[2], p[0] - p[3]];
         let l = e.map(|e| e.length_squared());
+        // Signed squares of the sines: one root per quad.
         let mut sj = f64::INFINITY;
         for k in 0..4 {
             let k1 = (k + 3) % 4;
             let det = e[k1].perp_dot(e[k]);
             let ll = l[k] * l[k1];
-            let s = if ll > 0.0 { det / ll.sqrt() } else { -1.0 };
-            sj = sj.min(s);
+            sj = sj.min(det * det.abs() / ll);
         }
+        // An edge of length zero makes 0/0, which min() passes over.
+        let mut sj = if l.contains(&0.0) { -1.0 } else { sj.abs().sqrt().copysign(sj) };
         // Far above rounding the sign of the float is right; below, ask the exact predicate.
         if sj < NEARLY_FLAT && (0..4).any(|k| orient2d(p[(k + 3) % 4], p[k], p[(k + 1) % 4]) <= 0.0) {
             sj = sj.min(0.0);
@@ -45,21 +47,33 @@ pub fn shape(points: &[Point2], quads: &[[u32; 4]]) -> Shape {
 /// trust cancelled digits (coordinates are good to about 1e-16 of the domain, edges are above 1e-6 of it).
 const NEARLY_FLAT: f64 = 1e-8;
 
-/// Geometric mean and largest of max(r, 1/r), r = sqrt(area) / h, over at most `most` quads, evenly chosen.
-/// `share[q]` is the share of the quad's area that a real cell has (None: 1).
-pub fn size_errors(
+/// How well a patch follows the size field.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fit {
+    /// Geometric mean over the cells of max(r, 1/r), r = sqrt(area) / h.
+    pub mean: f64,
+    /// Largest max(r, 1/r).
+    pub worst: f64,
+    /// Root mean square of ln(edge length / h).
+    pub edges: f64,
+}
+
+/// Fit of at most about `most` quads, evenly chosen. `factor[q]`: how many real edges an edge along sides 0 and 2, or
+/// 1 and 3, of quad q stands for; empty: one. Cost: a size query per quad looked at.
+pub fn fit(
     points: &[Point2],
     quads: &[[u32; 4]],
     size: &dyn SizeField,
     most: usize,
-    share: impl Fn(usize) -> f64,
-) -> (f64, f64) {
+    factor: &[[f64; 2]],
+) -> Fit {
     let step = quads.len().div_ceil(most.max(1)).max(1);
-    let (mut sum, mut worst, mut count) = (0.0f64, 0.0f64, 0.0f64);
+    let (mut sum, mut worst, mut edges, mut count) = (0.0f64, 0.0f64, 0.0f64, 0.0f64);
     let mut hint = Hint::default();
     for (i, q) in quads.iter().enumerate().step_by(step) {
         let p = q.map(|v| points[v as usize]);
-        let area = 0.5 * (p[2] - p[0]).perp_dot(p[3] - p[1]) * share(i);
+        let f = factor.get(i).map_or([1.0; 2], |f| *f);
+        let area = 0.5 * (p[2] - p[0]).perp_dot(p[3] - p[1]) / (f[0] * f[1]);
         let h = match size.constant() {
             Some(h) => h,
             None => size.h((p[0] + p[1] + p[2] + p[3]) * 0.25, &mut hint),
@@ -67,7 +81,15 @@ pub fn size_errors(
         let r = (area.max(f64::MIN_POSITIVE) / (h * h)).ln().abs() * 0.5;
         sum += r;
         worst = worst.max(r);
+        for k in 0..2 {
+            let l = p[k].distance(p[k + 1]) + p[k + 2].distance(p[(k + 3) % 4]);
+            let e = (l.max(f64::MIN_POSITIVE) / (2.0 * h * f[k])).ln();
+            edges += 0.5 * e * e;
+        }
         count += 1.0;
     }
-    if count > 0.0 { ((sum / count).exp(), worst.exp()) } else { (1.0, 1.0) }
+    if count == 0.0 {
+        return Fit { mean: 1.0, worst: 1.0, edges: 0.0 };
+    }
+    Fit { mean: (sum / count).exp(), worst: worst.exp(), edges: (edges / count).sqrt() }
 }

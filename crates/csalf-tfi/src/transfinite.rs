@@ -2,15 +2,17 @@
 
 use crate::fill::Filler;
 use crate::plan::{Plan, plans};
-use crate::quality::{shape, size_errors};
+use crate::quality::{fit, shape};
 use crate::rules::{TfiMode, TfiRules};
 use csalf_geom::Point2;
-use csalf_mesh::{Appraisal, Patch, Refusal, RegionMesher, RegionTask};
+use csalf_mesh::{Appraisal, Contour, Patch, Refusal, RegionMesher, RegionTask};
 use csalf_sizemap::Hint;
 use std::cell::RefCell;
 
 /// Most quads whose size is checked on the finished patch.
 const SIZE_SAMPLES: usize = 512;
+/// Patches of more quads take the buffers with them, so that no thread keeps much memory.
+const KEPT: usize = 4096;
 /// Relaxation sweeps on a patch with irregular vertices.
 const SWEEPS: usize = 8;
 /// Finished patches that are tried before the contour is refused.
@@ -52,9 +54,7 @@ impl Transfinite {
     fn fill_with(&self, task: &RegionTask<'_>, plan: &Plan, filler: &mut Filler) -> Result<Patch, Refusal> {
         let c = task.contour;
         let n = c.len();
-        let start = plan.start as usize;
-        let ring = c.points[start..].iter().chain(&c.points[..start]).copied();
-        filler.fill(plan.pattern, &plan.x, ring, task.size, &plan.x);
+        filler.fill(plan.pattern, &plan.x, c.points.iter().copied(), plan.start, task.size, &plan.x);
         if plan.pattern.n_irregular > 0 {
             filler.relax(n, task.size, SWEEPS);
         }
@@ -67,21 +67,25 @@ impl Transfinite {
         if s.min_sj <= 0.0 || s.min_sj < floor || s.mean_sj < self.rules.mean_sj {
             return Err(Refusal::Quality);
         }
-        let (mean, worst) = size_errors(&filler.points, &filler.quads, task.size, SIZE_SAMPLES, |_| 1.0);
-        if mean > self.rules.size_error || worst > self.rules.worst_size_error {
+        let f = fit(&filler.points, &filler.quads, task.size, SIZE_SAMPLES, &[]);
+        if f.mean > self.rules.size_error || f.worst > self.rules.worst_size_error {
             return Err(Refusal::Size);
         }
-        let name = |v: u32| if (v as usize) < n { ((v as usize + start) % n) as u32 } else { v };
-        // Two occurrences of one node must not meet in a quad.
-        let double = |q: &[u32; 4]| {
-            let id = |k: usize| ((q[k] as usize) < n).then(|| c.ids[q[k] as usize]);
-            (0..4).any(|i| (i + 1..4).any(|j| id(i).is_some() && id(i) == id(j)))
-        };
-        let quads: Vec<[u32; 4]> = filler.quads.iter().map(|q| q.map(name)).collect();
-        if quads.iter().any(double) {
+        if has_double(c, &filler.quads) {
             return Err(Refusal::NotApplicable);
         }
-        Ok(Patch { points: filler.points[n..].to_vec(), quads, children: Vec::new() })
+        // Big buffers go to the patch, small ones stay for the next contour.
+        let (mut points, quads) = if filler.quads.len() > KEPT {
+            (std::mem::take(&mut filler.points), std::mem::take(&mut filler.quads))
+        } else {
+            return Ok(Patch {
+                points: filler.points[n..].to_vec(),
+                quads: filler.quads.clone(),
+                children: Vec::new(),
+            });
+        };
+        points.drain(..n);
+        Ok(Patch { points, quads, children: Vec::new() })
     }
 }
 
@@ -115,6 +119,18 @@ impl RegionMesher for Transfinite {
         }
         Err(why)
     }
+}
+
+/// True if two occurrences of one node meet in a quad. Cost: a sort of the ids; the quads are looked at only if a
+/// node occurs twice.
+fn has_double(c: &Contour, quads: &[[u32; 4]]) -> bool {
+    let mut sorted = c.ids.clone();
+    sorted.sort_unstable();
+    if sorted.windows(2).all(|w| w[0] != w[1]) {
+        return false;
+    }
+    let id = |v: u32| c.ids.get(v as usize).copied();
+    quads.iter().any(|q| (0..4).any(|i| (0..i).any(|j| id(q[i]).is_some() && id(q[i]) == id(q[j]))))
 }
 
 /// Extremum size gradient (paper eq. 20 as read in handbook 1.11): the 95 % over the 5 % quantile of h, at the nodes
