@@ -69,6 +69,8 @@ pub struct Survey {
     n_candidates: usize,
     /// `sum ((θ - 180)/90)²` over all nodes.
     straight_cost: f64,
+    /// Sum of the bends of concave nodes, degrees.
+    pub concave: f64,
     /// True if no interior angle is above 180 degrees (to rounding).
     pub convex: bool,
 }
@@ -85,6 +87,7 @@ impl Survey {
             candidates: [Candidate { at: 0, angle: 0.0 }; MAX_CANDIDATES],
             n_candidates: 0,
             straight_cost: 0.0,
+            concave: 0.0,
             convex: true,
         };
         let cos_reflex = reflex.to_radians().cos();
@@ -111,6 +114,9 @@ impl Survey {
             // (θ - 180)² for bends that are not corners, from the cosine: exact to the fourth order.
             let c = 2.0 * (1.0 + cosine);
             out.straight_cost += c * (1.0 + c / 12.0) * RADIANS_TO_RIGHT;
+            if cross < 0.0 {
+                out.concave += c.max(0.0).sqrt().to_degrees();
+            }
             if cross > 0.0 && cosine > cos_largest {
                 let angle = cross.atan2(-dot).to_degrees();
                 // Replace the Taylor value by the exact one.

@@ -23,6 +23,10 @@ use csalf_sizemap::Hint;
 
 /// Most subdivisions of a chord in a coarse trial.
 const COARSE: u32 = 3;
+/// A contour without corners whose concave nodes bend by more than this (degrees) is no disk.
+const MAX_CONCAVE: f64 = 60.0;
+/// Interpretations that fit worse than the best by this much are not matched.
+const COST_GAP: f64 = 0.8;
 /// Most interpretations that are matched with patterns.
 const MAX_INTERPRETATIONS: usize = 6;
 /// Most coarse trials.
@@ -98,6 +102,11 @@ pub fn plans(task: &RegionTask<'_>, rules: &TfiRules, filler: &mut Filler) -> Ve
             best[k] = Some(i);
         }
     });
+    // By cost the first is not always the best, as the rank also counts corners.
+    let least = best.iter().flatten().map(|i| i.cost).fold(f64::MAX, f64::min);
+    for b in &mut best {
+        b.take_if(|i| i.cost > least + COST_GAP);
+    }
     let mut tried: Vec<Plan> = Vec::new();
     let mut found: Vec<Plan> = Vec::new();
     for extra in [false, true] {
@@ -105,7 +114,7 @@ pub fn plans(task: &RegionTask<'_>, rules: &TfiRules, filler: &mut Filler) -> Ve
         for i in best.iter().flatten() {
             if i.n > 0 {
                 match_patterns(task, rules, i, extra, &mut found);
-            } else if !extra {
+            } else if !extra && survey.concave < MAX_CONCAVE {
                 disks(task, rules, i, &mut found);
             }
         }
@@ -165,18 +174,34 @@ fn disks(task: &RegionTask<'_>, rules: &TfiRules, i: &Interpretation, found: &mu
     }
     let half = n / 2;
     let rings = (f64::from(n) / 16.0).round().max(1.0) as u32;
-    for pattern in patterns(0) {
-        for a in [n / 4, half * 3 / 8, half / 3, half / 4] {
-            if a < 1 || half <= a {
-                continue;
+    // The best rectangles among the virtual corners: right angles, and sides in proportion to their counts.
+    let mut best = [(f64::MAX, 0u32, 0u32); 2];
+    for a in [n / 4, half * 3 / 8, half / 3, half / 4] {
+        if a < 1 || half <= a {
+            continue;
+        }
+        let b = half - a;
+        let period = if a == b { a } else { half };
+        for o in (0..period).step_by((period / 24).max(1) as usize) {
+            let p = [o, o + a, o + half, o + half + a].map(|k| task.contour.points[(k % n) as usize]);
+            let e = [p[1] - p[0], p[2] - p[1], p[3] - p[2], p[0] - p[3]];
+            let l = e.map(|e| e.length().max(f64::MIN_POSITIVE));
+            let lack: f64 =
+                (0..4).map(|k| (1.0 - e[k].perp_dot(e[(k + 1) % 4]) / (l[k] * l[(k + 1) % 4])).abs()).sum();
+            let ratio = ((l[0] + l[2]) * f64::from(b) / ((l[1] + l[3]) * f64::from(a))).ln();
+            let cost = lack + 0.5 * ratio * ratio;
+            if let Some(k) = best.iter().position(|b| cost < b.0) {
+                best[k..].rotate_right(1);
+                best[k] = (cost, a, o);
             }
-            let b = half - a;
-            let period = if a == b { a } else { half };
-            let step = (period / 12).max(1);
-            for o in (0..period).step_by(step as usize) {
-                for m in [1, rings.div_ceil(2), rings] {
-                    collect(task, rules, pattern, &[a, b, a, b], o, m, i, found);
-                }
+        }
+    }
+    for pattern in patterns(0) {
+        for &(cost, a, o) in best.iter().filter(|b| b.1 > 0 && b.0 < 2.0) {
+            for m in [1, rings.div_ceil(2), rings] {
+                let first = found.len();
+                collect(task, rules, pattern, &[a, half - a, a, half - a], o, m, i, found);
+                found[first..].iter_mut().for_each(|p| p.misfit = i.cost + 0.4 + cost + 0.01 * f64::from(m));
             }
         }
     }
@@ -254,17 +279,23 @@ fn forecast(task: &RegionTask<'_>, pattern: &Pattern, x: &Chords, start: u32) ->
         sum += r * r;
         weight += 1.0;
     }
-    let mut bad = 0.0;
-    for q in &pattern.quads {
+    let (mut bad, mut cells) = (0.0, 0.0);
+    for (q, s) in pattern.quads.iter().zip(&pattern.quad_edges) {
+        let [a, b] = [0, 1].map(|k| f64::from(x[pattern.chord[s[k].0 as usize] as usize]));
+        let mut lack = 0.0;
         let p = q.map(|v| xy[v as usize]);
         for k in 0..4 {
             let (u, v) = (p[(k + 1) % 4] - p[k], p[(k + 3) % 4] - p[k]);
             let ll = (u.length_squared() * v.length_squared()).sqrt();
             let s = if ll > 0.0 { u.perp_dot(v) / ll } else { 0.0 };
-            bad += (1.0 - s) * (1.0 - s);
+            lack += (1.0 - s) * (1.0 - s);
         }
+        // The cells count, but so does every block.
+        let m = (a * b).sqrt();
+        bad += lack * m;
+        cells += m;
     }
-    sum / weight + bad / (4.0 * pattern.quads.len() as f64)
+    sum / weight + 2.0 * bad / (4.0 * cells)
 }
 
 /// Fills a coarse copy and measures it.
