@@ -34,6 +34,9 @@ mod assemble;
 /// Steps that a walk from the hint may take before the grid is asked. More: long walks where a query jumps;
 /// fewer: needless grid starts. Measured best between 8 and 32.
 const HINT_STEPS: usize = 16;
+/// Grid cells between a hint and a point, beyond which the hint is stale. A walk through as many cells costs more
+/// than a look into the grid (measured: 10 times more at 100 cells, because every step misses the cache).
+const NEAR_CELLS: f64 = 6.0;
 /// Steps that a walk from the grid's start may take before the R-tree is asked.
 const GRID_STEPS: usize = 48;
 
@@ -130,6 +133,7 @@ impl Background {
     /// the triangles that meet there may be named.
     fn locate(&self, p: Point2, start: u32) -> (u32, Place) {
         if (start as usize) < self.triangles.len()
+            && self.is_near(start, p)
             && let Some(found) = self.walk(start, p, HINT_STEPS)
         {
             return found;
@@ -150,6 +154,14 @@ impl Background {
             cell.store(found.0, Ordering::Relaxed);
         }
         found
+    }
+
+    /// A corner of the triangle is at most [`NEAR_CELLS`] cells away. Of a needle it may not be, though the point is
+    /// near: then the grid is as good.
+    #[inline]
+    fn is_near(&self, t: u32, p: Point2) -> bool {
+        let corner = self.nodes[self.triangles[t as usize].corners[0] as usize].p;
+        ((p - corner) * self.per_unit).abs().max_element() <= NEAR_CELLS
     }
 
     /// Visibility walk from triangle `t`: across the side that sees the point with the largest area. `None` after
