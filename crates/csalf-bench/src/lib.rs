@@ -1,0 +1,50 @@
+//! Inputs of the benchmarks: made by formula, the same on every machine. Run with `cargo bench -p csalf-bench`.
+
+use csalf_geom::Point2;
+use csalf_sizemap::Background;
+
+/// Xorshift, uniform in [0, 1).
+#[derive(Clone, Debug)]
+pub struct Random(pub u64);
+
+impl Random {
+    /// The next number.
+    pub fn number(&mut self) -> f64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 >> 11) as f64 / (1u64 << 53) as f64
+    }
+}
+
+/// A wavy closed curve of `n` nodes about the origin, radius 0.9 to 1.1, counter-clockwise.
+pub fn wavy_loop(n: usize) -> Vec<Point2> {
+    let at = |i: usize| {
+        let a = std::f64::consts::TAU * i as f64 / n as f64;
+        Point2::from_angle(a) * (1.0 + 0.1 * (7.0 * a).sin())
+    };
+    (0..n).map(at).collect()
+}
+
+/// A square from -1 to 1 with `k` x `k` jittered nodes: about 2 k² triangles.
+///
+/// # Panics
+/// Never for k >= 2.
+#[allow(clippy::expect_used, reason = "an input that cannot fail")]
+pub fn jittered_background(k: usize) -> Background {
+    let mut rnd = Random(1);
+    let mut points = Vec::with_capacity(k * k);
+    for i in 0..k {
+        for j in 0..k {
+            let rim = i == 0 || j == 0 || i == k - 1 || j == k - 1;
+            let jitter = if rim { 0.0 } else { 0.6 };
+            let d = Point2::new(rnd.number() - 0.5, rnd.number() - 0.5) * jitter;
+            points.push((Point2::new(i as f64, j as f64) + d) / (k - 1) as f64 * 2.0 - Point2::ONE);
+        }
+    }
+    let values: Vec<f64> = points.iter().map(|p| 0.01 + 0.001 * p.length()).collect();
+    let m = k - 1;
+    let side = |f: &dyn Fn(usize) -> usize| (0..m).map(|i| f(i) as u32).collect::<Vec<_>>();
+    let rim = [side(&|i| i * k), side(&|j| m * k + j), side(&|i| (m - i) * k + m), side(&|j| m - j)].concat();
+    Background::from_points(&points, &values, &[rim]).expect("a square")
+}
