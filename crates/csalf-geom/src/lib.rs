@@ -13,8 +13,10 @@ pub mod arrangement;
 mod boxtree;
 mod check;
 pub mod cone;
+pub mod curve;
 pub mod defect;
 pub mod domain;
+pub mod geometry;
 mod graph;
 pub mod ids;
 mod parity;
@@ -23,8 +25,10 @@ pub mod predicates;
 pub mod tolerance;
 
 pub use arrangement::{Arrangement, CheckOptions, Region};
+pub use curve::Curve;
 pub use defect::{Defect, Place};
 pub use domain::{Domain, HardPoint, Loop, LoopKind, Scar};
+pub use geometry::{CurveLoop, CurveScar, Edge, Geometry, GeometryDefect};
 pub use ids::{QuadId, VertexId};
 pub use tolerance::Tolerance;
 

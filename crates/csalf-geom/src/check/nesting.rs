@@ -2,21 +2,9 @@
 
 use super::{Checker, Kind, MAX_COORDINATE};
 use crate::boxtree::{Aabb, BoxTree};
+use crate::cone::in_cone;
 use crate::predicates::orient2d;
 use crate::{Defect, Place, Point2};
-
-/// Exact: direction `v → p` lies strictly inside the counter-clockwise cone from `v → w` to `v → u`.
-fn in_cone(v: Point2, w: Point2, u: Point2, p: Point2) -> bool {
-    let o = orient2d(v, w, u);
-    let (after_w, before_u) = (orient2d(v, w, p), orient2d(v, p, u));
-    if o > 0.0 {
-        after_w > 0.0 && before_u > 0.0
-    } else if o < 0.0 {
-        after_w > 0.0 || before_u > 0.0
-    } else {
-        after_w > 0.0
-    }
-}
 
 impl Checker<'_> {
     fn is_loop(&self, c: usize) -> bool {
@@ -179,7 +167,7 @@ impl Checker<'_> {
         if curve.reversed {
             (u, w) = (w, u);
         }
-        in_cone(at(i), w, u, self.slots[to])
+        in_cone(u, at(i), w, self.slots[to])
     }
 
     /// Checks the hard points and gives each a node, an old one if there is one at its place.
@@ -253,24 +241,4 @@ pub(crate) fn is_left_of(a: Point2, b: Point2, q: Point2) -> bool {
     }
     let o = orient2d(a, b, q);
     if b.y > a.y { o < 0.0 } else { o > 0.0 }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn cones_are_strict() {
-        let p = Point2::new;
-        let v = p(0.0, 0.0);
-        // A right angle, a straight one, a reflex one.
-        assert!(in_cone(v, p(1.0, 0.0), p(0.0, 1.0), p(1.0, 1.0)));
-        assert!(!in_cone(v, p(1.0, 0.0), p(0.0, 1.0), p(2.0, 0.0)));
-        assert!(!in_cone(v, p(1.0, 0.0), p(0.0, 1.0), p(-1.0, 1.0)));
-        assert!(in_cone(v, p(1.0, 0.0), p(-1.0, 0.0), p(0.3, 1.0)));
-        assert!(!in_cone(v, p(1.0, 0.0), p(-1.0, 0.0), p(0.3, -1.0)));
-        assert!(in_cone(v, p(0.0, 1.0), p(1.0, 0.0), p(-1.0, -1.0)));
-        assert!(!in_cone(v, p(0.0, 1.0), p(1.0, 0.0), p(1.0, 1.0)));
-        assert!(!in_cone(v, p(0.0, 1.0), p(1.0, 0.0), p(0.0, 3.0)));
-    }
 }
