@@ -177,22 +177,12 @@ impl Curve {
         self.eval(self.range().1).point
     }
 
-    /// Unit direction of the curve just after `t` (or just before it), by a short chord: also right at breaks and
-    /// where the derivative vanishes, to about 1e-3 radians. Zero if the curve stands still.
-    pub fn direction(&self, t: f64, after: bool) -> Point2 {
-        let (t0, t1) = self.range();
-        let breaks = self.breaks();
-        let (from, to) = if after {
-            let k = breaks.partition_point(|b| *b <= t);
-            (t, breaks.get(k).copied().unwrap_or(t1))
-        } else {
-            let k = breaks.partition_point(|b| *b < t);
-            (t, k.checked_sub(1).map_or(t0, |k| breaks[k]))
-        };
-        // Share of the span that the chord covers: larger, less exact on strong curvature; smaller, fewer digits.
+    /// Unit vector from the point at `t` to one nearby on the way to parameter `toward`: the direction of the curve,
+    /// to about 1e-3 radians, also at breaks and where the derivative vanishes. Zero if the curve stands still.
+    pub fn direction(&self, t: f64, toward: f64) -> Point2 {
+        /// Share of the way that the chord covers: larger, less exact on strong curvature; smaller, fewer digits.
         const CHORD: f64 = 1e-4;
-        let d = self.eval(from + CHORD * (to - from)).point - self.eval(t).point;
-        if after { d.normalize_or_zero() } else { -d.normalize_or_zero() }
+        (self.eval(t + CHORD * (toward - t)).point - self.eval(t).point).normalize_or_zero()
     }
 
     /// True if all numbers are finite and the curve has at least two points.

@@ -10,7 +10,7 @@ pub struct Edge {
     pub curve: Curve,
     /// Keep its start as a node even if there is no kink.
     pub corner: bool,
-    /// Number of segments, if it is prescribed.
+    /// Number of segments, if it is prescribed; at least one for each part between kinks.
     pub count: Option<usize>,
 }
 

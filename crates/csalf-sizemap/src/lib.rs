@@ -4,6 +4,7 @@
 pub mod background;
 pub mod build;
 pub mod count;
+pub mod discretize;
 pub mod error;
 pub mod esg;
 pub mod field;
@@ -17,6 +18,7 @@ pub mod uniform;
 pub use background::Background;
 pub use build::{Extras, build};
 pub use count::expected_quads;
+pub use discretize::{CurvatureLimit, DiscretizeOptions, discretize};
 pub use error::SizeError;
 pub use esg::extremum_size_gradient;
 pub use field::{Hint, SizeField};
