@@ -71,3 +71,76 @@ fn contours_that_are_not_patches_are_refused() {
     let odd = polygon(&[(0., 0.), (1., 0.), (1., 1.), (0., 1.)], &[3, 2, 2, 2]);
     assert!(mesh(&odd, &Uniform(0.5), TfiRules::default()).is_none());
 }
+
+#[test]
+fn disc_has_four_irregular_vertices() {
+    let (patch, s, irregular) = mesh(&circle(48), &Uniform(0.105), TfiRules::default()).unwrap();
+    assert_eq!(irregular, 4);
+    assert!(s.min_sj > 0.7 && s.mean_sj > 0.97, "{} quads, {s:?}", patch.quads.len());
+}
+
+#[derive(Debug)]
+struct Diagonal;
+impl SizeField for Diagonal {
+    fn h(&self, p: Point2, _: &mut csalf_sizemap::Hint) -> f64 {
+        0.35 + 0.12 * (p.x + p.y)
+    }
+    fn range(&self) -> (f64, f64) {
+        (0.35, 2.75)
+    }
+}
+
+/// Handbook 13.2.7: the graded square, sides 15, 6, 6, 15, sizes 0.35 to 2.7, is one diag35.
+#[test]
+fn graded_square_is_one_pattern() {
+    let corners = [(0., 0.), (10., 0.), (10., 10.), (0., 10.)].map(Point2::from);
+    let mut points = Vec::new();
+    for (i, n) in [15usize, 6, 6, 15].into_iter().enumerate() {
+        let (a, b) = (corners[i], corners[(i + 1) % 4]);
+        let line = csalf_sizemap::line::LineSizes::new(a, b, &Diagonal, &mut csalf_sizemap::Hint::default());
+        points.push(a);
+        points.extend((1..n).map(|k| a.lerp(b, line.parameter(k, n - 1))));
+    }
+    let (patch, s, irregular) = mesh(&points, &Diagonal, TfiRules::default()).unwrap();
+    assert_eq!((patch.quads.len(), irregular), (90, 2));
+    assert!(s.min_sj > 0.8, "{s:?}");
+    assert!(mesh(&points, &Diagonal, TfiRules::paper()).is_none());
+}
+
+/// The start node, the place, the rotation and the scale do not matter beyond rounding.
+#[test]
+fn frame_does_not_matter() {
+    let p = polygon(&[(0., 0.), (3., 0.), (2.5, 2.4), (0., 2.)], &[20, 15, 17, 14]);
+    let (_, base, n) = mesh(&p, &Uniform(0.15), TfiRules::default()).unwrap();
+    let turned: Vec<Point2> = (0..p.len())
+        .map(|i| {
+            let q = p[(i + 23) % p.len()];
+            Point2::new(0.6 * q.x - 0.8 * q.y, 0.8 * q.x + 0.6 * q.y) * 8.0 + Point2::new(100.0, -50.0)
+        })
+        .collect();
+    let (_, other, m) = mesh(&turned, &Uniform(1.2), TfiRules::default()).unwrap();
+    assert_eq!(n, m);
+    assert!((base.min_sj - other.min_sj).abs() < 1e-6, "{base:?} {other:?}");
+}
+
+proptest::proptest! {
+    /// Whatever comes in, what comes out is valid (checked in `mesh`), strictly convex and never a panic.
+    #[test]
+    fn random_rings(
+        radii in proptest::collection::vec(0.2f64..1.0, 4..60),
+        smooth in 0.0f64..1.0,
+        h in 0.01f64..1.0,
+    ) {
+        let n = radii.len();
+        let p: Vec<Point2> = (0..n)
+            .map(|i| {
+                let r = smooth + (1.0 - smooth) * radii[i];
+                Point2::from_angle(std::f64::consts::TAU * i as f64 / n as f64) * r
+            })
+            .collect();
+        let rules = TfiRules { size_error: 1e9, worst_size_error: 1e9, ..TfiRules::relaxed() };
+        if let Some((_, s, _)) = mesh(&p, &Uniform(h), rules) {
+            proptest::prop_assert!(s.min_sj > 0.0);
+        }
+    }
+}
