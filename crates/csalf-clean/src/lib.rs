@@ -3,4 +3,6 @@
 
 pub mod smooth;
 
-pub use smooth::{FinishReport, SmoothOptions, SmoothReport, UntangleReport, finish, smooth, untangle};
+pub use smooth::{
+    FinishReport, SmoothOptions, SmoothReport, UntangleReport, finish, smooth, smooth_boxed, untangle,
+};

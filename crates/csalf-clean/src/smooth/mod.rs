@@ -27,6 +27,7 @@ use rayon::prelude::*;
 use region::{PARALLEL_FROM, Region, Scratch, grow};
 use sweep::Sweeps;
 
+pub use region::Boxes;
 pub use untangle::{UntangleReport, untangle};
 
 /// How much is smoothed and to what end.
@@ -58,7 +59,7 @@ impl Default for SmoothOptions {
             laplace_sweeps: 2,
             sweeps: 10,
             lambda: 0.3,
-            tolerance: 2e-3,
+            tolerance: 4e-3,
             floor: 0.6,
         }
     }
@@ -101,6 +102,18 @@ pub fn smooth(
     size: &dyn SizeField,
     options: &SmoothOptions,
 ) -> SmoothReport {
+    smooth_boxed(mesh, topology, fixed, size, &|_| None, options)
+}
+
+/// [`smooth`], with quads that have target lengths of their own along and across (layers): `boxes` says which.
+pub fn smooth_boxed(
+    mesh: &mut QuadMesh,
+    topology: &QuadTopology,
+    fixed: &[bool],
+    size: &dyn SizeField,
+    boxes: Boxes<'_>,
+    options: &SmoothOptions,
+) -> SmoothReport {
     let seeds = bad_quads(mesh, options.threshold);
     let mut report = SmoothReport { n_seeds: seeds.len(), min_sj: (1.0, 1.0), ..Default::default() };
     if seeds.is_empty() {
@@ -113,6 +126,7 @@ pub fn smooth(
     }
     let mut region = Region::new(mesh, topology, &free, &mut Scratch::new(mesh));
     region.set_sizes(size);
+    region.set_boxes(boxes);
     let before = region.min_scaled();
     // Squared, as the steps compare it. A positive minimum must not fall; below that there is nothing to lose.
     let floor = options.floor.max(before).powi(2);
@@ -125,7 +139,10 @@ pub fn smooth(
     sweeps.unsettle();
     for _ in 0..options.sweeps {
         report.sweeps += 1;
-        if sweeps.run(&mut region, |r, v| optimise::step(r, v, options.lambda, floor)) == 0 {
+        if sweeps
+            .run(&mut region, |r, v| optimise::step(r, v, options.lambda, floor, 0.25 * options.tolerance))
+            == 0
+        {
             break;
         }
     }

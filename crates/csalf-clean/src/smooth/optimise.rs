@@ -18,8 +18,9 @@ const ARMIJO: f64 = 1e-4;
 /// Most halvings of a step. More find smaller moves that are not worth their cost.
 const HALVINGS: usize = 5;
 
-/// Where free vertex `v` goes, or its own place. `floor` as in the Laplace step.
-pub(crate) fn step(region: &Region, v: u32, lambda: f64, floor: f64) -> Point2 {
+/// Where free vertex `v` goes, or its own place. `floor` as in the Laplace step; steps shorter than `short` target
+/// lengths are not worth a trial.
+pub(crate) fn step(region: &Region, v: u32, lambda: f64, floor: f64, short: f64) -> Point2 {
     let old = region.points[v as usize];
     let e = energy::local(region, v, old, lambda);
     let g = e.gradient;
@@ -30,7 +31,8 @@ pub(crate) fn step(region: &Region, v: u32, lambda: f64, floor: f64) -> Point2 {
     }
     let p = -Point2::new(c * g.x - b * g.y, a * g.y - b * g.x) / det;
     let slope = p.dot(g);
-    if !(slope < 0.0 && p.is_finite()) {
+    let inverse = region.inverse[(region.star(v)[0] / 4) as usize][0];
+    if !(slope < 0.0 && p.is_finite() && p.length() * inverse > short) {
         return old;
     }
     let mut before = None;

@@ -12,7 +12,7 @@
 //! 2. [`components`]: those that share quads stay together.
 //! 3. [`Region::new`]: local copy, targets and colours.
 
-use csalf_geom::{Point2, VertexId, angle::interior_angle};
+use csalf_geom::{Point2, QuadId, VertexId, angle::interior_angle};
 use csalf_mesh::{QuadMesh, QuadTopology, quality::Corners};
 use csalf_sizemap::{Hint, SizeField};
 use rayon::prelude::*;
@@ -30,6 +30,10 @@ const ANGLE_MARGIN: f64 = 0.35;
 /// Largest factor between the wanted area of a quad and the mean area around it. Larger: sizes are pursued where the
 /// number of quads cannot give them, at the cost of shape; 1: only evenness counts. Arbitrary.
 const AREA_FACTOR: f64 = 2.0;
+
+/// Wanted lengths of a quad's sides 0 and 2, and of its sides 1 and 3, where they are not the size field's: the quads
+/// of layers. Sides are numbered as in the mesh: side k runs from corner k to corner k + 1.
+pub type Boxes<'a> = &'a (dyn Fn(QuadId) -> Option<[f64; 2]> + Sync);
 
 /// Maps from the mesh to a region, kept between regions so that each costs only its own size.
 pub(crate) struct Scratch {
@@ -50,6 +54,8 @@ pub(crate) struct Region {
     pub(crate) n_free: usize,
     pub(crate) points: Vec<Point2>,
     pub(crate) quads: Vec<[u32; 4]>,
+    /// Mesh id of each local quad.
+    of_mesh: Vec<u32>,
     /// Per free vertex its local quads with its corner, `4 q + k`.
     star_start: Vec<u32>,
     star: Vec<u32>,
@@ -180,6 +186,7 @@ impl Region {
             points,
             inverse: vec![[1.0; 2]; quads.len()],
             quads,
+            of_mesh,
             star_start,
             star,
             angle,
@@ -230,6 +237,18 @@ impl Region {
         let asked: f64 = wanted.iter().map(|h| h * h).sum();
         let scale = if total > 0.0 { (asked / total).sqrt() } else { 1.0 };
         self.inverse = wanted.into_iter().map(|h| [scale / h; 2]).collect();
+    }
+
+    /// Replaces the targets of the quads for which `boxes` has lengths.
+    pub(crate) fn set_boxes(&mut self, boxes: Boxes<'_>) {
+        for (inverse, &q) in self.inverse.iter_mut().zip(&self.of_mesh) {
+            if let Some([s, t]) = boxes(QuadId(q))
+                && s > 0.0
+                && t > 0.0
+            {
+                *inverse = [1.0 / s, 1.0 / t];
+            }
+        }
     }
 
     /// Signed area of quad `q`.

@@ -211,6 +211,28 @@ fn work_stays_where_it_is_needed() {
     assert_eq!((r.n_seeds, r.n_free, r.min_sj), (0, 0, (1.0, 1.0)));
 }
 
+/// Rows of quads one long and a quarter high, shaken: with boxes they come back, without they become squarish.
+#[test]
+fn boxes_keep_layers() {
+    let mut mesh = grid(12, 12);
+    for p in &mut mesh.points {
+        // Four thin rows below eight normal ones.
+        p.y = if p.y < 4.0 { 0.25 * p.y } else { p.y - 3.0 };
+    }
+    let drawn = mesh.clone();
+    shake(&mut mesh, 0.06, 8);
+    let t = topology(&mesh);
+    let options = SmoothOptions { threshold: 2.0, sweeps: 40, ..SmoothOptions::default() };
+    let boxes = |q: csalf_geom::QuadId| (q.0 < 48).then_some([1.0, 0.25]);
+    let off =
+        |m: &QuadMesh| m.points.iter().zip(&drawn.points).map(|(a, b)| a.distance(*b)).fold(0.0, f64::max);
+    let mut boxed = mesh.clone();
+    smooth_boxed(&mut boxed, &t, &[], &Uniform(1.0), &boxes, &options);
+    smooth(&mut mesh, &t, &[], &Uniform(1.0), &options);
+    assert!(off(&boxed) < 0.05, "{}", off(&boxed));
+    assert!(off(&mesh) > 0.1, "{}", off(&mesh));
+}
+
 #[test]
 fn the_number_of_threads_does_not_matter() {
     let mut mesh = grid(150, 150);
