@@ -1,8 +1,11 @@
-//! Layer 3 of csalf: better meshes of the same boundary. [`smooth`] moves inner vertices, certified never to turn
-//! a quad over.
+//! Layer 3 of csalf: better meshes of the same boundary. [`smooth`] moves inner vertices, certified never to
+//! turn a quad over.
 
+pub mod driver;
+pub mod ops;
 pub mod smooth;
 
+pub use driver::{REMOVED, RepairReport, repair};
 pub use smooth::{
     FinishReport, SmoothOptions, SmoothReport, UntangleReport, finish, smooth, smooth_boxed, untangle,
 };

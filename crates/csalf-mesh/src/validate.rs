@@ -1,7 +1,7 @@
 //! Is this mesh what was asked for? All defects, and a cheap certificate of convexity.
 //!
-//! Positive elements (exact predicates), conforming edges, exactly the given boundary and exactly the given area
-//! together leave no room for overlaps or gaps.
+//! Positive elements (exact predicates), conforming edges, exactly the given boundary and exactly the given
+//! area together leave no room for overlaps or gaps.
 
 use crate::QuadMesh;
 use crate::quality::{Corners, FLAT, edges::HalfEdges};
@@ -115,8 +115,8 @@ pub enum MeshDefect {
 /// Largest relative error of the area, from the rounding of coordinates and of the sum. (The judge's value.)
 pub const AREA_TOLERANCE: f64 = 1e-9;
 
-/// Exact: every corner of the quad turns strictly left. Four left turns of less than 180 degrees each make one full
-/// turn, so the quad is also simple. Cost about 10 ns: a float filter decides nearly always.
+/// Exact: every corner of the quad turns strictly left. Four left turns of less than 180 degrees each make
+/// one full turn, so the quad is also simple. Cost about 10 ns: a float filter decides nearly always.
 #[inline]
 pub fn is_strictly_convex(p: &[Point2; 4]) -> bool {
     (0..4).all(|k| left(p[(k + 3) & 3], p[k], p[(k + 1) & 3]))
@@ -133,8 +133,9 @@ fn left(a: Point2, b: Point2, c: Point2) -> bool {
     if det.abs() > BOUND * (l.abs() + r.abs()) { det > 0.0 } else { orient2d(a, b, c) > 0.0 }
 }
 
-/// The certificate: the first quad of `quads` that is not strictly convex, by exact predicates; `None` if all are.
-/// Takes any slice of a mesh's quads, so that pieces can be checked in parallel. Cost about 20 ns per quad.
+/// The certificate: the first quad of `quads` that is not strictly convex, by exact predicates; `None` if all
+/// are. Takes any slice of a mesh's quads, so that pieces can be checked in parallel. Cost about 20 ns per
+/// quad.
 pub fn certify(points: &[Point2], quads: &[[VertexId; 4]]) -> Option<usize> {
     quads.iter().position(|q| !is_strictly_convex(&q.map(|v| points[v.index()])))
 }
@@ -227,7 +228,8 @@ fn check_coincident(vs: &[VertexId], p: &[Point2], merge: f64, out: &mut Vec<Mes
         for j in 0..i {
             if vs[i] != vs[j] && p[i].distance(p[j]) <= merge {
                 let defect = MeshDefect::Coincident(vs[j].min(vs[i]), vs[i].max(vs[j]));
-                // The pair is found by every element that has both; elements of one place come close together.
+                // The pair is found by every element that has both; elements of one place come close
+                // together.
                 if !out.iter().rev().take(8).any(|d| *d == defect) {
                     out.push(defect);
                 }
@@ -293,8 +295,8 @@ fn check_nodes(mesh: &QuadMesh, edges: &HalfEdges, expected: &Expectation<'_>, o
     }
 }
 
-/// V - E + F = 2 - L for a connected mesh whose boundary is L simple loops. If the given loops touch in a node they
-/// cannot be counted apart, and the check is left out.
+/// V - E + F = 2 - L for a connected mesh whose boundary is L simple loops. If the given loops touch in a
+/// node they cannot be counted apart, and the check is left out.
 fn check_euler(mesh: &QuadMesh, edges: &HalfEdges, expected: &Expectation<'_>, out: &mut Vec<MeshDefect>) {
     let n = mesh.n_vertices();
     let mut next = vec![u32::MAX; n];

@@ -8,10 +8,10 @@
 //!            e1             F = (1 - lambda) f + lambda g,     E = sum over the corners of F^2
 //! ```
 //!
-//! With e1' = e1 / a, e2' = e2 / b: D = e1' x e2' and t = (|e1'|² + |e2'|² - 2 cos(alpha) e1'.e2') / sin(alpha), when
-//! W is scaled to area a b. As a function of one vertex T is affine, so f is quadratic over linear and g a sum of
-//! convex functions: **E is convex where all D > 0**, and Newton's method is safe. The square draws on the worst
-//! corners more than on the mean.
+//! With e1' = e1 / a, e2' = e2 / b: D = e1' x e2' and t = (|e1'|² + |e2'|² - 2 cos(alpha) e1'.e2') /
+//! sin(alpha), when W is scaled to area a b. As a function of one vertex T is affine, so f is quadratic over
+//! linear and g a sum of convex functions: **E is convex where all D > 0**, and Newton's method is safe. The
+//! square draws on the worst corners more than on the mean.
 //!
 //! For tangled meshes D in the denominators is replaced by chi(D, eps) = (D + sqrt(D² + eps²)) / 2 > 0.
 //!
@@ -50,8 +50,8 @@ impl Corner {
     }
 }
 
-/// The three corners that feel vertex k of a quad: its own, the next and the previous one's, each with the factors
-/// by which its scaled edges follow the vertex.
+/// The three corners that feel vertex k of a quad: its own, the next and the previous one's, each with the
+/// factors by which its scaled edges follow the vertex.
 #[inline]
 fn corners_at(region: &Region, at: Point2, h: u32) -> [(Corner, f64, f64); 3] {
     let (q, k) = ((h / 4) as usize, (h & 3) as usize);
@@ -67,8 +67,8 @@ fn corners_at(region: &Region, at: Point2, h: u32) -> [(Corner, f64, f64); 3] {
     ]
 }
 
-/// Value and derivatives of the energy of the corners around free vertex `v`, were it at `at`. Meaningful only if
-/// `min_d` > 0.
+/// Value and derivatives of the energy of the corners around free vertex `v`, were it at `at`. Meaningful
+/// only if `min_d` > 0.
 #[inline]
 pub(crate) fn local(region: &Region, v: u32, at: Point2, lambda: f64) -> Local {
     let mut out = Local { min_d: f64::INFINITY, ..Local::default() };
@@ -104,8 +104,8 @@ pub(crate) fn local(region: &Region, v: u32, at: Point2, lambda: f64) -> Local {
     out
 }
 
-/// Energy of the corners around `v`, were it at `at`, and their smallest scaled Jacobian, squared with its sign.
-/// The energy is infinite if a corner is not positive.
+/// Energy of the corners around `v`, were it at `at`, and their smallest scaled Jacobian, squared with its
+/// sign. The energy is infinite if a corner is not positive.
 #[inline]
 pub(crate) fn trial(region: &Region, v: u32, at: Point2, lambda: f64) -> (f64, f64) {
     let (mut value, mut worst) = (0.0, f64::INFINITY);
@@ -124,8 +124,8 @@ pub(crate) fn trial(region: &Region, v: u32, at: Point2, lambda: f64) -> (f64, f
     (if positive { value } else { f64::INFINITY }, worst)
 }
 
-/// Smallest scaled Jacobian of the corners around `v`, were it at `at`, squared with its sign; -1 where an edge has
-/// no length.
+/// Smallest scaled Jacobian of the corners around `v`, were it at `at`, squared with its sign; -1 where an
+/// edge has no length.
 #[inline]
 pub(crate) fn worst_corner(region: &Region, v: u32, at: Point2) -> f64 {
     let mut worst = f64::INFINITY;

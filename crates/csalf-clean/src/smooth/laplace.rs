@@ -8,13 +8,14 @@
 //!              o
 //! ```
 //!
-//! A move is kept if the worst corner around does not get worse, or stays above the floor. Source: handbook 7.2.
+//! A move is kept if the worst corner around does not get worse, or stays above the floor. Source: handbook
+//! 7.2.
 
 use super::{energy::worst_corner, region::Region};
 use csalf_geom::Point2;
 
-/// Where free vertex `v` goes; its own place if the mesh around would get worse. `floor` is the scaled Jacobian
-/// down to which a corner may get worse, squared. Cost about 0.15 us.
+/// Where free vertex `v` goes; its own place if the mesh around would get worse. `floor` is the scaled
+/// Jacobian down to which a corner may get worse, squared. Cost about 0.15 us.
 pub(crate) fn step(region: &Region, v: u32, floor: f64) -> Point2 {
     let old = region.points[v as usize];
     let (mut sum, mut weight) = (Point2::ZERO, 0.0);

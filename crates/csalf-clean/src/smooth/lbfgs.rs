@@ -23,9 +23,10 @@ fn dot(a: &[Point2], b: &[Point2]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a.dot(*b)).sum()
 }
 
-/// Minimises `f`, which returns the value at its first argument and writes the gradient into its second. The first
-/// step moves no point farther than `first`. Ends after `iterations`, or when a step lowers the value by less than
-/// `tolerance` of it. Returns the last value; `x` is the best point. Allocates at the start only.
+/// Minimises `f`, which returns the value at its first argument and writes the gradient into its second. The
+/// first step moves no point farther than `first`. Ends after `iterations`, or when a step lowers the value
+/// by less than `tolerance` of it. Returns the last value; `x` is the best point. Allocates at the start
+/// only.
 pub(crate) fn minimise(
     x: &mut [Point2],
     iterations: usize,

@@ -7,8 +7,9 @@
 //!            smooth: quads below the threshold + rings ──▶ Laplace ──▶ Newton sweeps with barrier
 //! ```
 //!
-//! All work is local: regular, well-shaped parts of the mesh cost one look per quad. Boundary vertices and those
-//! marked fixed keep their bytes. The result does not depend on the number of threads. Source: handbook 7.
+//! All work is local: regular, well-shaped parts of the mesh cost one look per quad. Boundary vertices and
+//! those marked fixed keep their bytes. The result does not depend on the number of threads. Source: handbook
+//! 7.
 
 mod energy;
 mod laplace;
@@ -33,8 +34,8 @@ pub use untangle::{UntangleReport, untangle};
 /// How much is smoothed and to what end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SmoothOptions {
-    /// Quads with a scaled Jacobian below this are worked on, -1 to 1. Larger: better meshes, more work; above 1 the
-    /// whole mesh is smoothed.
+    /// Quads with a scaled Jacobian below this are worked on, -1 to 1. Larger: better meshes, more work;
+    /// above 1 the whole mesh is smoothed.
     pub threshold: f64,
     /// Rings of quads around them that take part.
     pub rings: usize,
@@ -46,8 +47,8 @@ pub struct SmoothOptions {
     pub lambda: f64,
     /// A vertex that moves less than this share of the wanted length is settled.
     pub tolerance: f64,
-    /// A corner may lose scaled Jacobian down to this (but never below the smallest of the region before), where the
-    /// energy falls.
+    /// A corner may lose scaled Jacobian down to this (but never below the smallest of the region before),
+    /// where the energy falls.
     pub floor: f64,
 }
 
@@ -87,11 +88,12 @@ pub struct FinishReport {
     pub smooth: SmoothReport,
 }
 
-/// Smooths the parts of the mesh that need it. `fixed` has one entry per vertex (missing ones count as false);
-/// boundary vertices are fixed anyhow. `topology` must be that of `mesh`.
+/// Smooths the parts of the mesh that need it. `fixed` has one entry per vertex (missing ones count as
+/// false); boundary vertices are fixed anyhow. `topology` must be that of `mesh`.
 ///
-/// Positive corners stay positive, and the smallest scaled Jacobian does not fall if it was positive. Vertices with
-/// a non-positive corner around them are left alone by the optimiser: use [`finish`] or [`untangle`].
+/// Positive corners stay positive, and the smallest scaled Jacobian does not fall if it was positive.
+/// Vertices with a non-positive corner around them are left alone by the optimiser: use [`finish`] or
+/// [`untangle`].
 ///
 /// Cost: about 10 ns per quad of the mesh, then per vertex worked on 0.2 us for the region and about 0.2 us
 /// (Laplace) or 0.4 us (optimiser) per sweep until it is settled; one size query per quad worked on.
@@ -105,7 +107,8 @@ pub fn smooth(
     smooth_boxed(mesh, topology, fixed, size, &|_| None, options)
 }
 
-/// [`smooth`], with quads that have target lengths of their own along and across (layers): `boxes` says which.
+/// [`smooth`], with quads that have target lengths of their own along and across (layers): `boxes` says
+/// which.
 pub fn smooth_boxed(
     mesh: &mut QuadMesh,
     topology: &QuadTopology,
@@ -128,7 +131,8 @@ pub fn smooth_boxed(
     region.set_sizes(size);
     region.set_boxes(boxes);
     let before = region.min_scaled();
-    // Squared, as the steps compare it. A positive minimum must not fall; below that there is nothing to lose.
+    // Squared, as the steps compare it. A positive minimum must not fall; below that there is nothing to
+    // lose.
     let floor = options.floor.max(before).powi(2);
     let mut sweeps = Sweeps::new(&region, options.tolerance);
     for _ in 0..options.laplace_sweeps {
@@ -151,8 +155,8 @@ pub fn smooth_boxed(
     report
 }
 
-/// Untangles what is tangled, then smooths: the last step of every mesh. Arguments and guarantees as of [`smooth`]
-/// and [`untangle`].
+/// Untangles what is tangled, then smooths: the last step of every mesh. Arguments and guarantees as of
+/// [`smooth`] and [`untangle`].
 pub fn finish(
     mesh: &mut QuadMesh,
     topology: &QuadTopology,

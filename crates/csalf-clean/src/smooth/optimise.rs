@@ -2,12 +2,12 @@
 //!
 //! 1. Newton step on the energy of the corners around the vertex ([`energy::local`]; convex, so the step is a
 //!    descent).
-//! 2. Halve it until all corners are positive, the energy falls (Armijo) and no corner falls below both the floor
-//!    and the worst one before.
+//! 2. Halve it until all corners are positive, the energy falls (Armijo) and no corner falls below both the
+//!    floor and the worst one before.
 //! 3. If no step does that, stay.
 //!
-//! Guarantees: positive corners stay positive; the smallest scaled Jacobian of the region does not fall, if the floor is
-//! not below it. Cost about 0.4 us per visit. Source: handbook 7.3 (b) and 7.4.
+//! Guarantees: positive corners stay positive; the smallest scaled Jacobian of the region does not fall, if
+//! the floor is not below it. Cost about 0.4 us per visit. Source: handbook 7.3 (b) and 7.4.
 
 use super::{energy, region::Region};
 use csalf_geom::Point2;
@@ -18,8 +18,8 @@ const ARMIJO: f64 = 1e-4;
 /// Most halvings of a step. More find smaller moves that are not worth their cost.
 const HALVINGS: usize = 5;
 
-/// Where free vertex `v` goes, or its own place. `floor` as in the Laplace step; steps shorter than `short` target
-/// lengths are not worth a trial.
+/// Where free vertex `v` goes, or its own place. `floor` as in the Laplace step; steps shorter than `short`
+/// target lengths are not worth a trial.
 pub(crate) fn step(region: &Region, v: u32, lambda: f64, floor: f64, short: f64) -> Point2 {
     let old = region.points[v as usize];
     let e = energy::local(region, v, old, lambda);

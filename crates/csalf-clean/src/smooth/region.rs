@@ -23,16 +23,16 @@ const NONE: u32 = u32::MAX;
 /// Below this many items the work is not worth handing to other threads.
 pub(crate) const PARALLEL_FROM: usize = 4096;
 
-/// Target angles are kept this far from 0 and 180 degrees (radians, 20 degrees). Smaller: sharper corners get the
-/// angle they cannot avoid, but their weight 1/sin grows. Arbitrary.
+/// Target angles are kept this far from 0 and 180 degrees (radians, 20 degrees). Smaller: sharper corners get
+/// the angle they cannot avoid, but their weight 1/sin grows. Arbitrary.
 const ANGLE_MARGIN: f64 = 0.35;
 
-/// Largest factor between the wanted area of a quad and the mean area around it. Larger: sizes are pursued where the
-/// number of quads cannot give them, at the cost of shape; 1: only evenness counts. Arbitrary.
+/// Largest factor between the wanted area of a quad and the mean area around it. Larger: sizes are pursued
+/// where the number of quads cannot give them, at the cost of shape; 1: only evenness counts. Arbitrary.
 const AREA_FACTOR: f64 = 2.0;
 
-/// Wanted lengths of a quad's sides 0 and 2, and of its sides 1 and 3, where they are not the size field's: the quads
-/// of layers. Sides are numbered as in the mesh: side k runs from corner k to corner k + 1.
+/// Wanted lengths of a quad's sides 0 and 2, and of its sides 1 and 3, where they are not the size field's:
+/// the quads of layers. Sides are numbered as in the mesh: side k runs from corner k to corner k + 1.
 pub type Boxes<'a> = &'a (dyn Fn(QuadId) -> Option<[f64; 2]> + Sync);
 
 /// Maps from the mesh to a region, kept between regions so that each costs only its own size.
@@ -110,7 +110,8 @@ pub(crate) fn grow(
     found
 }
 
-/// Splits free vertices (ascending) into sets that share no quad, each ascending, ordered by their first vertex.
+/// Splits free vertices (ascending) into sets that share no quad, each ascending, ordered by their first
+/// vertex.
 pub(crate) fn components(mesh: &QuadMesh, topology: &QuadTopology, free: &[u32]) -> Vec<Vec<u32>> {
     let mut open = vec![false; mesh.n_vertices()];
     for &v in free {
@@ -208,8 +209,8 @@ impl Region {
         self.quads[q].map(|v| self.points[v as usize])
     }
 
-    /// Sets the target lengths from the size field at the quad centres, within [`AREA_FACTOR`] of the mean area
-    /// around. One size query per quad.
+    /// Sets the target lengths from the size field at the quad centres, within [`AREA_FACTOR`] of the mean
+    /// area around. One size query per quad.
     pub(crate) fn set_sizes(&mut self, size: &dyn SizeField) {
         let mut around = vec![[0.0f64; 2]; self.vertices.len()];
         for (q, vs) in self.quads.iter().enumerate() {
@@ -229,8 +230,8 @@ impl Region {
         });
     }
 
-    /// Sets the target lengths from the size field, scaled so that the targets fill the region: for tangled regions,
-    /// whose single areas mean nothing. One size query per quad.
+    /// Sets the target lengths from the size field, scaled so that the targets fill the region: for tangled
+    /// regions, whose single areas mean nothing. One size query per quad.
     pub(crate) fn set_sizes_to_fill(&mut self, size: &dyn SizeField) {
         let wanted = self.per_quad(|q, hint| self.wanted(q, size, hint));
         let total: f64 = (0..self.quads.len()).map(|q| self.area(q)).sum();
@@ -281,8 +282,8 @@ impl Region {
             .fold(f64::INFINITY, f64::min)
     }
 
-    /// Greedy colouring in the order of the local ids. A vertex that finds no colour among 64 (valence over 21)
-    /// stays without one, and so at its place.
+    /// Greedy colouring in the order of the local ids. A vertex that finds no colour among 64 (valence over
+    /// 21) stays without one, and so at its place.
     fn colour(&mut self) {
         let mut of = vec![u8::MAX; self.n_free];
         for v in 0..self.n_free as u32 {
@@ -315,8 +316,8 @@ impl Region {
     }
 }
 
-/// Cosine and 1 / sine of the angle that each of the corners at `v` should have: the full turn, or the interior
-/// angle of the boundary, over the number of quads.
+/// Cosine and 1 / sine of the angle that each of the corners at `v` should have: the full turn, or the
+/// interior angle of the boundary, over the number of quads.
 fn target_angle(mesh: &QuadMesh, topology: &QuadTopology, v: VertexId) -> [f64; 2] {
     let d = topology.n_quads_at(v);
     let mut total = TAU;

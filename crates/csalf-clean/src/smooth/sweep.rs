@@ -28,8 +28,8 @@ impl Sweeps {
         self.moved_at.fill(self.now);
     }
 
-    /// One sweep over all vertices that are not settled: `step` says where a vertex should go (or its own place).
-    /// Returns how many moved noticeably.
+    /// One sweep over all vertices that are not settled: `step` says where a vertex should go (or its own
+    /// place). Returns how many moved noticeably.
     pub(crate) fn run(&mut self, region: &mut Region, step: impl Fn(&Region, u32) -> Point2 + Sync) -> usize {
         self.now += 1;
         let mut n_moved = 0;

@@ -37,7 +37,8 @@ fn grid(n: usize, m: usize) -> QuadMesh {
     mesh
 }
 
-/// A unit disk: a square core of n x n quads and rings of 4 n quads around it; four inner vertices of valence 3.
+/// A unit disk: a square core of n x n quads and rings of 4 n quads around it; four inner vertices of valence
+/// 3.
 fn disk(n: usize) -> QuadMesh {
     let mut mesh = grid(n, n);
     let c = 0.4;
@@ -211,7 +212,8 @@ fn work_stays_where_it_is_needed() {
     assert_eq!((r.n_seeds, r.n_free, r.min_sj), (0, 0, (1.0, 1.0)));
 }
 
-/// Rows of quads one long and a quarter high, shaken: with boxes they come back, without they become squarish.
+/// Rows of quads one long and a quarter high, shaken: with boxes they come back, without they become
+/// squarish.
 #[test]
 fn boxes_keep_layers() {
     let mut mesh = grid(12, 12);

@@ -7,8 +7,8 @@
 //! ```
 //!
 //! 1. Free vertices within 3 rings of the bad quads; those that share quads make a region.
-//! 2. Per region ([`solve`]), from the positions as they are: the regularised energy is finite anywhere; L-BFGS
-//!    lowers it, eps follows the smallest corner Jacobian.
+//! 2. Per region ([`solve`]), from the positions as they are: the regularised energy is finite anywhere;
+//!    L-BFGS lowers it, eps follows the smallest corner Jacobian.
 //! 3. A region is taken over when all its corners are positive, otherwise it keeps its old positions.
 //! 4. What is still bad is tried again with 6 and 12 rings.
 //!
@@ -51,8 +51,8 @@ impl UntangleReport {
     }
 }
 
-/// Makes tangled regions positive; see the file's head. Vertices on the boundary and those with `fixed` set do not
-/// move; quads outside the regions keep their bytes. A positive corner never becomes non-positive.
+/// Makes tangled regions positive; see the file's head. Vertices on the boundary and those with `fixed` set
+/// do not move; quads outside the regions keep their bytes. A positive corner never becomes non-positive.
 /// Cost: one pass over the mesh, then about 0.1 us per quad of a region and L-BFGS iteration.
 pub fn untangle(
     mesh: &mut QuadMesh,

@@ -2,8 +2,8 @@
 
 /// Description of one quad metric. Ranges are `(low, high)`, inclusive.
 ///
-/// Source: C. Stimpson et al., *The Verdict Geometric Quality Library*, SAND2007-1751 (2007), whose cards these
-/// follow.
+/// Source: C. Stimpson et al., *The Verdict Geometric Quality Library*, SAND2007-1751 (2007), whose cards
+/// these follow.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Card {
     /// Name of the metric.

@@ -1,8 +1,8 @@
 //! Half-edges of a mesh of quads and triangles, with everything that may be wrong with them counted.
 //!
-//! Unlike [`crate::QuadTopology`], which serves algorithms on all-quad meshes, this one also takes triangles and
-//! broken meshes: it is what quality and validity are measured on. Half-edge `4 q + k` is side k of quad q,
-//! `4 n_quads + 3 t + k` side k of triangle t.
+//! Unlike [`crate::QuadTopology`], which serves algorithms on all-quad meshes, this one also takes triangles
+//! and broken meshes: it is what quality and validity are measured on. Half-edge `4 q + k` is side k of quad
+//! q, `4 n_quads + 3 t + k` side k of triangle t.
 
 use crate::QuadMesh;
 

@@ -1,7 +1,7 @@
 //! Quality of meshes: one metric per file, and the [`QualityReport`] over all of them.
 //!
-//! Shape metrics are Verdict's, so that they can be compared with other programs; tau, the size figures and the
-//! structure figures are those of the judge of the public cases. Each shape metric opens with a [`Card`].
+//! Shape metrics are Verdict's, so that they can be compared with other programs; tau, the size figures and
+//! the structure figures are those of the judge of the public cases. Each shape metric opens with a [`Card`].
 
 pub mod angles;
 pub mod aspect;
@@ -27,7 +27,8 @@ pub use structure::Structure;
 pub use tau::Tau;
 
 /// A quad corner whose scaled Jacobian is at most this counts as not convex: straight up to the rounding of
-/// coordinates. Larger rejects slim but sound quads; smaller accepts corners that rounding made. (The judge's value.)
+/// coordinates. Larger rejects slim but sound quads; smaller accepts corners that rounding made. (The judge's
+/// value.)
 pub const FLAT: f64 = 1e-6;
 
 /// The cards of all shape metrics, in the order of the report.

@@ -7,8 +7,8 @@ use csalf_sizemap::{Hint, SizeField};
 use serde::Serialize;
 use std::fmt;
 
-/// Quality of a mesh. Figures are over all elements; triangles take part in the scaled Jacobian, the angles and the
-/// aspect ratio. Of a mesh without elements everything is 0 or `None`.
+/// Quality of a mesh. Figures are over all elements; triangles take part in the scaled Jacobian, the angles
+/// and the aspect ratio. Of a mesh without elements everything is 0 or `None`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct QualityReport {
     /// Number of vertices.

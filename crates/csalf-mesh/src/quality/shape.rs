@@ -14,7 +14,8 @@ pub const CARD: Card = Card {
     source: "Verdict 2007, quad shape",
 };
 
-/// 2 min over the corners of J_k / (L_k² + L_{k-1}²), 0 to 1, ideal 1; 0 of a quad that is not strictly convex.
+/// 2 min over the corners of J_k / (L_k² + L_{k-1}²), 0 to 1, ideal 1; 0 of a quad that is not strictly
+/// convex.
 #[inline]
 pub fn value(p: &[Point2; 4]) -> f64 {
     of_corners(&Corners::new(p))

@@ -23,7 +23,8 @@ pub struct SizeConformity {
     pub max_ratio: f64,
 }
 
-/// Measures all inner edges (those of two elements) of `edges`; `None` if there are none. One size query per edge.
+/// Measures all inner edges (those of two elements) of `edges`; `None` if there are none. One size query per
+/// edge.
 pub(crate) fn conformity(
     points: &[Point2],
     edges: &HalfEdges,

@@ -14,8 +14,8 @@ pub const CARD: Card = Card {
     source: "Verdict 2007, quad skew",
 };
 
-/// |cos| of the angle between the principal axes (the lines between midpoints of opposite sides), 0 to 1, ideal
-/// 0; 0 if an axis has no length (as in Verdict).
+/// |cos| of the angle between the principal axes (the lines between midpoints of opposite sides), 0 to 1,
+/// ideal 0; 0 if an axis has no length (as in Verdict).
 #[inline]
 pub fn value(p: &[Point2; 4]) -> f64 {
     let x1 = (p[1] - p[0]) + (p[2] - p[3]);

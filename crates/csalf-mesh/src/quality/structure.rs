@@ -9,12 +9,12 @@
 //!   ─────────────────── boundary        side is again one simple closed cycle of inner nodes.
 //! ```
 //!
-//! Steps of the rings around one loop ([`rings`]): 1. the quads at the nodes of the front, without those of the
-//! last ring; 2. each front node must have as many of them as its angle asks for; 3. their sides without front
-//! nodes must form one cycle of new inner nodes; 4. this is the next front.
+//! Steps of the rings around one loop ([`rings`]): 1. the quads at the nodes of the front, without those of
+//! the last ring; 2. each front node must have as many of them as its angle asks for; 3. their sides without
+//! front nodes must form one cycle of new inner nodes; 4. this is the next front.
 //!
-//! Definitions: the judge of the public cases (its README, "Structure at the boundary"). Cost O(n) for the rows,
-//! O(quads within [`RING_CAP`] rings) for the rings.
+//! Definitions: the judge of the public cases (its README, "Structure at the boundary"). Cost O(n) for the
+//! rows, O(quads within [`RING_CAP`] rings) for the rings.
 
 use super::edges::{HalfEdges, NONE};
 use crate::QuadMesh;
@@ -27,14 +27,15 @@ pub const RING_CAP: usize = 40;
 /// Structure figures of a mesh. Shares are 0 to 1.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Structure {
-    /// Of the boundary nodes with an interior angle of 150 to 210 degrees, those with exactly two quads; `None` if
-    /// there is no such node.
+    /// Of the boundary nodes with an interior angle of 150 to 210 degrees, those with exactly two quads;
+    /// `None` if there is no such node.
     pub flat2_share: Option<f64>,
     /// Of the boundary nodes, those with the number of quads that their angle asks for.
     pub ideal_corner_share: f64,
     /// Of the boundary segments, those whose element is a quad with four good nodes.
     pub row1_share: f64,
-    /// Of the boundary segments, those from which 1, 2, 3 further quads follow inward across edges with good ends.
+    /// Of the boundary segments, those from which 1, 2, 3 further quads follow inward across edges with good
+    /// ends.
     pub column_share: [f64; 3],
     /// Per boundary loop, ordered by smallest vertex (the order of the input): rings that close.
     pub closed_rings_per_loop: Vec<usize>,

@@ -1,11 +1,12 @@
 //! tau: the paper's global quality.
 //!
-//! Equation (21) as printed, N / sum of Jmin/Jmax, is at least 1, while the paper's results lie in 0.68 to 0.98:
-//! what is meant is the harmonic mean of Jmin/Jmax, N / sum(Jmax/Jmin) (handbook 1.12). Quads with a concave or
-//! flat corner are left out; they are counted elsewhere.
+//! Equation (21) as printed, N / sum of Jmin/Jmax, is at least 1, while the paper's results lie in 0.68 to
+//! 0.98: what is meant is the harmonic mean of Jmin/Jmax, N / sum(Jmax/Jmin) (handbook 1.12). Quads with a
+//! concave or flat corner are left out; they are counted elsewhere.
 //!
-//! Two warnings: every parallelogram has Jmin/Jmax = 1, and a graded mesh cannot reach 1 (a ring of n squarish quads
-//! reaches (n - pi)/(n + pi), handbook 1.14). Read tau beside the scaled Jacobian and the size figures.
+//! Two warnings: every parallelogram has Jmin/Jmax = 1, and a graded mesh cannot reach 1 (a ring of n
+//! squarish quads reaches (n - pi)/(n + pi), handbook 1.14). Read tau beside the scaled Jacobian and the size
+//! figures.
 
 use super::{Corners, jacobian_ratio};
 
