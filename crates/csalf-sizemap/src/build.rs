@@ -31,7 +31,8 @@ pub struct Extras<'a> {
 }
 
 /// Builds the size field of a domain. `loops`: closed lists of nodes in any order and orientation. Cost O(n log n)
-/// in the nodes for kinds `Boundary` and `Background`, constant for the others.
+/// in the nodes for kinds `Boundary` and `Background`, constant for the others. `tol` is not needed yet: equal points
+/// are merged exactly, coincident neighbours are an error.
 ///
 /// # Errors
 /// [`SizeError`], with the place of the fault.

@@ -69,14 +69,6 @@ pub enum SizeError {
     /// The gradation limit is not a positive number.
     #[error("gradation limit {0} is not a positive number")]
     BadGradation(f64),
-    /// A count or angle of [`crate::Extras`] is not a positive number.
-    #[error("{what} is {value}; it must be a positive number")]
-    BadExtra {
-        /// `proximity` or `curvature`.
-        what: &'static str,
-        /// Its value.
-        value: f64,
-    },
 }
 
 /// Checks one size.
