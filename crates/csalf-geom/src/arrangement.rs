@@ -8,15 +8,16 @@
 //!      └─────────────────┘
 //! ```
 //!
-//! 1. [`check`](crate::check): numbers and merges nodes, orients loops, or reports all defects.
-//! 2. [`Graph`]: half-edges, faces, walks.
+//! 1. `check`: numbers and merges nodes, orients loops, or reports all defects.
+//! 2. `graph`: half-edges, faces, walks.
 //! 3. `regions`: inner walks and hard points go to the region found by a ray to the left.
-//! 4. `odd_regions`: parity of each region, and the cure ([`parity`](crate::parity)).
+//! 4. `pair_odd_regions` (`parity`): the cure of odd regions.
 //!
 //! Guarantees: nodes bit-equal to the input; the same regions, in the same order, starting at the same nodes,
 //! whatever the start nodes and orientations of the loops. Cost O(n log n). Source: handbook 0.2, 4.2, 10.2.
 
 use crate::check::{Checked, check};
+use crate::defect::Notice;
 use crate::graph::{Graph, NO_WALK, Walk, left_to_right};
 use crate::parity::{Border, pair_odd_regions, segments_to_split};
 use crate::polygon::signed_area;
@@ -68,6 +69,8 @@ pub struct Arrangement {
     pub regions: Vec<Region>,
     /// Nodes added by the repair of parity: number of the scar, node.
     pub added_nodes: Vec<(usize, u32)>,
+    /// What is allowed but likely to give poor quads.
+    pub notices: Vec<Notice>,
     /// Length thresholds of the domain.
     pub tolerance: Tolerance,
     /// Area of all regions, > 0.
@@ -87,7 +90,7 @@ impl Arrangement {
     /// # Errors
     /// All defects of the domain. Wrong orientation and a first node repeated at the end are no defects.
     pub fn new(domain: &Domain, options: &CheckOptions) -> Result<Self, Vec<Defect>> {
-        let Checked { points, loops, scars, hard_points, tolerance, odd_total } =
+        let Checked { points, loops, scars, hard_points, tolerance, odd_total, notices } =
             check(domain, options.allow_odd)?;
         let mut defects: Vec<_> = odd_total.into_iter().collect();
         let area =
@@ -100,6 +103,7 @@ impl Arrangement {
             hard_points,
             regions: Vec::new(),
             added_nodes: Vec::new(),
+            notices,
             tolerance,
         };
         let borders = out.regions(domain)?;

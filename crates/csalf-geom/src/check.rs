@@ -13,15 +13,18 @@
 //! 3. `find_orientation` ([`nesting`]): zero area and the way round of each loop.
 //! 4. `meet_segments`: every pair of segments near each other is tested with exact predicates.
 //! 5. [`nesting`]: what lies in what.
+//! 6. [`close`]: notices of hard points very close to segments.
 //!
 //! Cost: O((n + k) log n) for n nodes and k near pairs, by a tree of bounding boxes.
 //! Source: handbook 0.2 and 12.3 (1 to 4, 19, 20, 22).
 
+mod close;
 mod nesting;
 
 pub(crate) use nesting::is_left_of;
 
 use crate::boxtree::{Aabb, BoxTree};
+use crate::defect::Notice;
 use crate::predicates::{Meeting, meeting, on_segment};
 use crate::{Defect, Domain, LoopKind, Place, Point2, Tolerance};
 use std::collections::BTreeSet;
@@ -43,6 +46,7 @@ pub(crate) struct Checked {
     pub(crate) tolerance: Tolerance,
     /// The defect of an odd total, which is no defect to all callers.
     pub(crate) odd_total: Option<Defect>,
+    pub(crate) notices: Vec<Notice>,
 }
 
 /// What a curve is.
@@ -108,6 +112,7 @@ pub(crate) fn check(domain: &Domain, allow_odd: bool) -> Result<Checked, Vec<Def
         c.defects.extend(odd_total);
         return Err(c.defects);
     }
+    let notices = c.notices(&hard_points);
     let nodes = |v: &Curve<'_>| {
         let mut ids = c.node_of[v.slots.clone()].to_vec();
         if v.reversed {
@@ -122,6 +127,7 @@ pub(crate) fn check(domain: &Domain, allow_odd: bool) -> Result<Checked, Vec<Def
         hard_points,
         tolerance: c.tolerance,
         odd_total,
+        notices,
     })
 }
 

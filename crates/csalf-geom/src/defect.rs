@@ -203,6 +203,24 @@ pub enum Defect {
     },
 }
 
+/// Something that is allowed but likely to give poor quads.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Notice {
+    /// A hard point nearer to a segment than 0.3 of its length.
+    #[error(
+        "{point} is only {share:.3} of a segment length away from {segment}: the quads between will be poor"
+    )]
+    ClosePoint {
+        /// The point.
+        point: Place,
+        /// The segment.
+        segment: Place,
+        /// Distance over the length of the segment, 0 to 0.3.
+        share: f64,
+    },
+}
+
 fn odd_loops(names: &[String]) -> String {
     const SHOWN: usize = 5;
     let more = if names.len() > SHOWN { ", ..." } else { "" };

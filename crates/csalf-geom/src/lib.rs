@@ -26,7 +26,7 @@ pub mod tolerance;
 
 pub use arrangement::{Arrangement, CheckOptions, Region};
 pub use curve::Curve;
-pub use defect::{Defect, Place};
+pub use defect::{Defect, Notice, Place};
 pub use domain::{Domain, HardPoint, Loop, LoopKind, Scar};
 pub use geometry::{CurveLoop, CurveScar, Edge, Geometry, GeometryDefect};
 pub use ids::{QuadId, VertexId};

@@ -8,7 +8,7 @@
 //!
 //! 1. `join_scars`: ends of scars that lie on another curve cut it there.
 //! 2. `Plan::pieces`: chains of curves are cut into pieces at the nodes to be kept.
-//! 3. [`measure`](Measure): W = ∫ ds/h along each piece, by adaptive Gauss quadrature.
+//! 3. `Measure::new`: W = ∫ ds/h along each piece, by adaptive Gauss quadrature.
 //! 4. `choose_counts`: counts, at least what turning asks for; if the sum over all loops is odd, the count whose
 //!    relative size error grows least is changed by one.
 //! 5. `Measure::place`: the inverse of W by Newton's method; every node is a point of its curve.

@@ -259,6 +259,18 @@ fn scars_and_points_outside() {
 }
 
 #[test]
+fn points_close_to_segments_are_noticed() {
+    let d =
+        square().with_point(p(2.5, 0.2)).with_point(p(2., 2.)).with_point(p(0.5, 0.31)).with_point(p(1., 0.));
+    let a = build(&d);
+    let [Notice::ClosePoint { point, segment, share }] = a.notices.as_slice() else {
+        panic!("{:?}", a.notices)
+    };
+    assert_eq!((point.name.as_str(), segment.name.as_str(), segment.index), ("point0", "outer", 2));
+    assert!((share - 0.2).abs() < 1e-15);
+}
+
+#[test]
 fn sizes_of_points() {
     for size in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         let mut d = square();
