@@ -7,6 +7,9 @@ pub enum MeshError {
     /// The input is invalid; every defect is listed.
     #[error("the input is invalid: {}", .0.iter().map(|d| d.to_string()).collect::<Vec<_>>().join("; "))]
     Invalid(Vec<csalf_geom::domain::Defect>),
+    /// The wanted sizes are invalid.
+    #[error("the wanted sizes are invalid: {0}")]
+    Size(#[from] csalf_sizemap::SizeError),
     /// A defect of this program: the stage and what it found. Please report it with the input.
     #[error("internal error in stage {stage}: {detail}")]
     Internal {

@@ -4,7 +4,9 @@
 pub mod error;
 pub mod job;
 pub mod options;
+mod pipeline;
 pub mod report;
+pub mod triad;
 
 pub use error::MeshError;
 pub use job::Job;
@@ -16,6 +18,5 @@ pub use report::{LoopReport, MeshReport, Meshed, Timing, Warning};
 /// # Errors
 /// [`MeshError::Invalid`] lists everything that is wrong with the input; [`MeshError::Internal`] is our fault.
 pub fn mesh(job: &Job, options: &Options) -> Result<Meshed, MeshError> {
-    let _ = (job, options);
-    Err(MeshError::Internal { stage: "skeleton", detail: "not built yet".into() })
+    pipeline::run(job, options)
 }

@@ -51,6 +51,9 @@ pub struct Subdivision {
 /// allocations. Below 500 nodes the cost of the seam shows in the profile, above 4000 two threads run out of work.
 pub const SEAM: usize = 1000;
 
+/// Contour sizes for which the choice of a split looks one step ahead.
+const LOOKAHEAD_SIZES: std::ops::RangeInclusive<usize> = 10..=2000;
+
 /// Score of a child that no companion takes (handbook 4.6).
 const NO_PATTERN: f64 = 1.2;
 
@@ -132,6 +135,7 @@ struct Recursion<'a> {
     view: View,
     splitter: Splitter,
     scratch: Contour,
+    line: Vec<u32>,
     hint: Hint,
     tally: Tally,
 }
@@ -169,6 +173,7 @@ impl<'a> Recursion<'a> {
             view: View::default(),
             splitter: Splitter::default(),
             scratch: Contour::default(),
+            line: Vec::new(),
             hint: Hint::default(),
             tally: Tally::default(),
         }
@@ -194,11 +199,7 @@ impl<'a> Recursion<'a> {
                 self.tally.companions += 1;
                 return;
             }
-            if let Some((left, right)) = self.split(contour) {
-                for child in [right, left] {
-                    self.frames.push(self.stack.len());
-                    self.stack.extend_from_slice(&child);
-                }
+            if self.split(contour) {
                 return;
             }
         }
@@ -253,45 +254,52 @@ impl<'a> Recursion<'a> {
         }
     }
 
-    /// The two children of the best split.
-    fn split(&mut self, contour: &[u32]) -> Option<(Vec<u32>, Vec<u32>)> {
+    /// Splits a contour by the best line and pushes both children, the left one on top.
+    fn split(&mut self, contour: &[u32]) -> bool {
         self.view.load(contour, &self.nodes);
+        let ahead = !self.companions.is_empty() && LOOKAHEAD_SIZES.contains(&contour.len());
+        let wanted = if ahead { self.rules.lookahead } else { 1 };
         for strict in &LADDER {
-            self.splitter.search(&self.view, self.size, &mut self.hint, self.rules, strict);
+            self.splitter.search(&self.view, self.size, &mut self.hint, self.rules, strict, wanted);
             let Some(best) = self.choose() else { continue };
-            let mut line = Vec::new();
+            let mut line = std::mem::take(&mut self.line);
             place(&self.view, &best, &mut self.nodes, self.size, &mut self.hint, &mut line);
             self.tally.splits += 1;
-            return Some(children(contour, &best, &line));
+            self.frames.push(self.stack.len());
+            right_child(contour, &best, &line, &mut self.stack);
+            self.frames.push(self.stack.len());
+            left_child(contour, &best, &line, &mut self.stack);
+            self.line = line;
+            return true;
         }
-        None
+        false
     }
 
-    /// The best of the splits found, by lookahead where there are companions.
+    /// The best of the splits found, by lookahead if there are several.
     fn choose(&mut self) -> Option<Split> {
-        let found = &self.splitter.found;
-        let n = self.view.len();
-        if self.companions.is_empty() || found.len() < 2 || !(10..=2000).contains(&n) {
-            return found.first().copied();
+        if self.splitter.found.len() < 2 {
+            return self.splitter.found.first().copied();
         }
-        let found = found.clone();
-        let contour = self.view.node.clone();
+        let found = std::mem::take(&mut self.splitter.found);
+        let contour = std::mem::take(&mut self.view.node);
+        let (mut line, mut child) = (std::mem::take(&mut self.line), Vec::new());
         let mut best: Option<(f64, Split)> = None;
         let mark = self.nodes.points.len();
-        for split in found {
-            let mut line = Vec::new();
+        for &split in &found {
             place(&self.view, &split, &mut self.nodes, self.size, &mut self.hint, &mut line);
-            let (left, right) = children(&contour, &split, &line);
-            let total = (left.len() + right.len()) as f64;
-            let score = split.phi
-                + [left, right].iter().map(|c| c.len() as f64 / total * self.outlook(c)).sum::<f64>();
-            self.nodes.points.truncate(mark);
-            self.nodes.sizes.truncate(mark);
-            self.nodes.flags.truncate(mark);
+            let total = (contour.len() + 2 * split.segments) as f64;
+            child.clear();
+            left_child(&contour, &split, &line, &mut child);
+            let mut score = split.phi + child.len() as f64 / total * self.outlook(&child);
+            child.clear();
+            right_child(&contour, &split, &line, &mut child);
+            score += child.len() as f64 / total * self.outlook(&child);
+            self.nodes.truncate(mark);
             if best.is_none_or(|b| score < b.0) {
                 best = Some((score, split));
             }
         }
+        (self.splitter.found, self.view.node, self.line) = (found, contour, line);
         best.map(|b| b.1)
     }
 
@@ -311,9 +319,12 @@ impl<'a> Recursion<'a> {
     fn split_once(&mut self) {
         let contour = std::mem::take(&mut self.stack);
         self.frames.clear();
-        match self.split(&contour) {
-            Some((left, right)) => self.children.extend([left, right]),
-            None => self.fall_back(&contour),
+        if self.split(&contour) {
+            let right = self.stack[..self.frames[1]].to_vec();
+            let left = self.stack[self.frames[1]..].to_vec();
+            self.children.extend([left, right]);
+        } else {
+            self.fall_back(&contour);
         }
     }
 
@@ -349,15 +360,17 @@ fn load(into: &mut Contour, contour: &[u32], nodes: &Nodes) {
     }
 }
 
-/// C_L = j .. k and the line backwards; C_R = k .. j and the line forwards.
-fn children(contour: &[u32], split: &Split, line: &[u32]) -> (Vec<u32>, Vec<u32>) {
-    let (j, k) = (split.j, split.k);
-    let mut left = contour[j..=k].to_vec();
-    left.extend(line.iter().rev());
-    let mut right = contour[k..].to_vec();
-    right.extend_from_slice(&contour[..=j]);
-    right.extend_from_slice(line);
-    (left, right)
+/// C_L = j .. k and the line backwards.
+fn left_child(contour: &[u32], split: &Split, line: &[u32], into: &mut Vec<u32>) {
+    into.extend_from_slice(&contour[split.j..=split.k]);
+    into.extend(line.iter().rev());
+}
+
+/// C_R = k .. j and the line forwards.
+fn right_child(contour: &[u32], split: &Split, line: &[u32], into: &mut Vec<u32>) {
+    into.extend_from_slice(&contour[split.k..]);
+    into.extend_from_slice(&contour[..=split.j]);
+    into.extend_from_slice(line);
 }
 
 #[cfg(test)]

@@ -36,13 +36,13 @@ pub struct SplitRules {
     pub all_pairs: usize,
     /// Seeds of larger contours.
     pub seeds: usize,
-    /// Valid candidates examined before the best is taken.
-    pub examined: usize,
+    /// Splits compared by lookahead, where there are companions.
+    pub lookahead: usize,
 }
 
 impl SplitRules {
     /// Rules of the default method.
-    pub const QUALITY: Self = Self { weights: Weights::QUALITY, all_pairs: 96, seeds: 48, examined: 8 };
+    pub const QUALITY: Self = Self { weights: Weights::QUALITY, all_pairs: 96, seeds: 48, lookahead: 8 };
     /// Rules of the paper's functional.
     pub const PAPER: Self = Self { weights: Weights::PAPER, ..Self::QUALITY };
 }
@@ -109,7 +109,7 @@ pub(crate) fn segments_for(wanted: f64, step: usize, least: usize) -> usize {
 }
 
 impl Splitter {
-    /// Fills `found` with the best valid splits, best first: at most `rules.examined`.
+    /// Fills `found` with the best valid splits, best first: at most `wanted`.
     pub(crate) fn search(
         &mut self,
         view: &View,
@@ -117,6 +117,7 @@ impl Splitter {
         hint: &mut Hint,
         rules: &SplitRules,
         strict: &Strictness,
+        wanted: usize,
     ) {
         self.candidates.clear();
         self.found.clear();
@@ -134,40 +135,36 @@ impl Splitter {
         self.candidates
             .sort_unstable_by(|a, b| a.score.total_cmp(&b.score).then((a.j, a.k).cmp(&(b.j, b.k))));
         self.candidates.dedup_by_key(|c| (c.j, c.k));
-        let mut worst_kept = f64::INFINITY;
-        let mut valid = 0;
+        // With one wanted, no candidate much worse on the cheap score than the best so far can still win.
+        let slack = if wanted == 1 { 0.02 } else { 0.30 };
+        let mut examined = 0;
         for c in 0..self.candidates.len() {
             let Candidate { j, k, score } = self.candidates[c];
-            if score > worst_kept {
+            if self.found.len() >= wanted
+                && (score > self.found[wanted - 1].phi + slack || examined >= 4 * wanted)
+            {
                 break;
             }
             let (j, k) = (j as usize, k as usize);
             let Some(clearance) = self.visible(view, j, k, strict) else { continue };
             let step = k - j;
             let (a, b) = (view.point[j], view.point[k]);
-            let wanted = LineSizes::new(a, b, size, hint).wanted_segments();
-            let segments = segments_for(wanted, step, least_segments(n, step));
+            let fitting = LineSizes::new(a, b, size, hint).wanted_segments();
+            let segments = segments_for(fitting, step, least_segments(n, step));
             if !self.quads_are_good(view, j, k, segments, strict) {
                 continue;
             }
             let guess = 2.0 * a.distance(b) / (view.size[j] + view.size[k]);
             let w = rules.weights.count;
             let phi = score
-                + w * (count_error(segments, wanted)
+                + w * (count_error(segments, fitting)
                     - count_error(segments_for(guess, step, least_segments(n, step)), guess))
                 + 0.3 * (0.6 - clearance).max(0.0);
             let at = self.found.partition_point(|s| s.phi <= phi);
             self.found.insert(at, Split { j, k, segments, phi });
-            valid += 1;
-            if valid >= rules.examined {
-                // No later candidate can be much better: its cheap score is already larger.
-                worst_kept = worst_kept.min(self.found[0].phi);
-            }
-            if valid >= 4 * rules.examined {
-                break;
-            }
+            examined += 1;
         }
-        self.found.truncate(rules.examined);
+        self.found.truncate(wanted);
     }
 
     /// Score of a pair, or `None` if its angles are too small.

@@ -19,6 +19,12 @@ impl Nodes {
         self.flags.push(flags);
         self.points.len() as u32 - 1
     }
+
+    pub(crate) fn truncate(&mut self, n: usize) {
+        self.points.truncate(n);
+        self.sizes.truncate(n);
+        self.flags.truncate(n);
+    }
 }
 
 /// Geometry of the occurrences of one contour.

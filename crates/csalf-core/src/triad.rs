@@ -1,0 +1,182 @@
+//! Algorithm II: fills one contour by the members of the triad.
+//!
+//! ```text
+//!   contour ──▶ member 1 ─refuses─▶ member 2 ─refuses─▶ ... ─▶ guaranteed fallback
+//!                  │ patch
+//!                  ├─ quads, new points: kept
+//!                  └─ children: filled the same way, in parallel
+//! ```
+//!
+//! New points get provisional ids from a shared counter while the recursion runs; [`Filled::collect`] then numbers
+//! them in tree order, so that the mesh does not depend on the number of threads.
+
+use csalf_geom::{Point2, Tolerance};
+use csalf_mesh::{Contour, NodeFlags, Patch, RegionMesher, RegionTask};
+use csalf_sizemap::{Hint, SizeField};
+use rayon::prelude::*;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, AtomicUsize, Ordering};
+
+/// Contours smaller than this are not worth a task of their own.
+const PARALLEL_MIN: usize = 64;
+
+/// The members in the order in which they are asked.
+#[derive(Debug)]
+pub struct Triad<'a> {
+    members: &'a [Arc<dyn RegionMesher>],
+    size: &'a dyn SizeField,
+    tolerance: Tolerance,
+    next_id: AtomicU32,
+    taken: Vec<AtomicUsize>,
+}
+
+/// What became of one contour: the patch of its own step in provisional ids, and its children.
+#[derive(Debug, Default)]
+pub struct Filled {
+    first_id: u32,
+    points: Vec<Point2>,
+    quads: Vec<[u32; 4]>,
+    children: Vec<Filled>,
+}
+
+/// No member took a contour.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("no member of the triad took the contour of {n_nodes} nodes at ({x}, {y})")]
+pub struct Unfilled {
+    /// Its size.
+    pub n_nodes: usize,
+    /// Its first node.
+    pub x: f64,
+    /// Its first node.
+    pub y: f64,
+}
+
+impl<'a> Triad<'a> {
+    /// A triad of the given members; the last one should be the guaranteed fallback. New points are numbered from
+    /// `first_id` on, above all ids in the contours that will be given to [`Self::fill`].
+    pub fn new(
+        members: &'a [Arc<dyn RegionMesher>],
+        size: &'a dyn SizeField,
+        tolerance: Tolerance,
+        first_id: u32,
+    ) -> Self {
+        Self {
+            members,
+            size,
+            tolerance,
+            next_id: AtomicU32::new(first_id),
+            taken: members.iter().map(|_| AtomicUsize::new(0)).collect(),
+        }
+    }
+
+    /// How many contours each member took so far.
+    pub fn tally(&self) -> Vec<(&'static str, usize)> {
+        self.members.iter().zip(&self.taken).map(|(m, n)| (m.name(), n.load(Ordering::Relaxed))).collect()
+    }
+
+    /// Reserves ids for `n` points made elsewhere (bridges, layers).
+    pub fn reserve(&self, n: usize) -> u32 {
+        self.next_id.fetch_add(n as u32, Ordering::Relaxed)
+    }
+
+    /// One more than the largest id given so far.
+    pub fn id_bound(&self) -> usize {
+        self.next_id.load(Ordering::Relaxed) as usize
+    }
+
+    /// Fills a contour completely.
+    ///
+    /// # Errors
+    /// [`Unfilled`] if every member refuses some sub-contour.
+    pub fn fill(&self, contour: &Contour) -> Result<Filled, Unfilled> {
+        let task = RegionTask { contour, size: self.size, tolerance: self.tolerance };
+        for (member, taken) in self.members.iter().zip(&self.taken) {
+            match member.mesh(&task) {
+                Ok(patch) => {
+                    taken.fetch_add(1, Ordering::Relaxed);
+                    return self.commit(contour, patch);
+                }
+                Err(refusal) => {
+                    tracing::trace!(member = member.name(), n_nodes = contour.len(), %refusal, "refused");
+                }
+            }
+        }
+        let p = contour.points.first().copied().unwrap_or_default();
+        Err(Unfilled { n_nodes: contour.len(), x: p.x, y: p.y })
+    }
+
+    fn commit(&self, contour: &Contour, patch: Patch) -> Result<Filled, Unfilled> {
+        let n = contour.len() as u32;
+        let first_id = self.reserve(patch.points.len());
+        let id = |name: u32| if name < n { contour.ids[name as usize] } else { first_id + name - n };
+        let mut hint = Hint::default();
+        let child_contours: Vec<Contour> = patch
+            .children
+            .iter()
+            .map(|names| {
+                let mut c = Contour::default();
+                for &name in names {
+                    if name < n {
+                        let i = name as usize;
+                        c.push(contour.points[i], contour.ids[i], contour.sizes[i], contour.flags[i]);
+                    } else {
+                        let p = patch.points[(name - n) as usize];
+                        c.push(p, id(name), self.size.h(p, &mut hint), NodeFlags::default());
+                    }
+                }
+                c
+            })
+            .collect();
+        let mut quads = patch.quads;
+        for q in &mut quads {
+            *q = q.map(id);
+        }
+        let children = if child_contours.iter().map(Contour::len).sum::<usize>() >= PARALLEL_MIN {
+            child_contours.par_iter().map(|c| self.fill(c)).collect::<Result<Vec<_>, _>>()?
+        } else {
+            child_contours.iter().map(|c| self.fill(c)).collect::<Result<Vec<_>, _>>()?
+        };
+        Ok(Filled { first_id, points: patch.points, quads, children })
+    }
+}
+
+impl Filled {
+    /// A result made elsewhere (bridges, layers): points `first_id ..` and quads, without children.
+    pub fn leaf(first_id: u32, points: Vec<Point2>, quads: Vec<[u32; 4]>) -> Self {
+        Self { first_id, points, quads, children: Vec::new() }
+    }
+
+    /// Writes the trees of all regions, in order, after `n_fixed` points that are there already: points in tree
+    /// order, quads in tree order in final numbers. `id_bound`: one more than the largest provisional id.
+    pub fn collect(
+        trees: &[Self],
+        points: &mut Vec<Point2>,
+        id_bound: usize,
+    ) -> Vec<[csalf_geom::VertexId; 4]> {
+        let n_fixed = points.len();
+        let mut number: Vec<u32> = (0..id_bound as u32).collect();
+        let mut n_quads = 0;
+        let mut order: Vec<&Self> = Vec::new();
+        let mut stack: Vec<&Self> = trees.iter().rev().collect();
+        while let Some(f) = stack.pop() {
+            order.push(f);
+            n_quads += f.quads.len();
+            stack.extend(f.children.iter().rev());
+        }
+        for f in &order {
+            for (k, &p) in f.points.iter().enumerate() {
+                number[f.first_id as usize + k] = points.len() as u32;
+                points.push(p);
+            }
+        }
+        debug_assert!(
+            number[..n_fixed].iter().enumerate().all(|(i, &n)| i == n as usize),
+            "fixed nodes keep ids"
+        );
+        let mut quads = Vec::with_capacity(n_quads);
+        for f in &order {
+            quads.extend(f.quads.iter().map(|q| q.map(|v| csalf_geom::VertexId(number[v as usize]))));
+        }
+        quads
+    }
+}
