@@ -12,7 +12,8 @@ use csalf_geom::arrangement::{Arrangement, CheckOptions};
 use csalf_geom::{Point2, VertexId};
 use csalf_mesh::{NamedSets, NodeFlags, QuadMesh, QuadTopology, RegionMesher};
 use csalf_sizemap::{Extras, SizeField};
-use csalf_subdiv::{Fallback, SplitRules, Subdivision, Walks, bridge};
+use csalf_subdiv::fallback::Fallback;
+use csalf_subdiv::{SplitRules, Subdivision, Walks, bridge};
 use csalf_tfi::{TfiRules, Transfinite};
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -116,12 +117,12 @@ fn members(options: &Options) -> Vec<Arc<dyn RegionMesher>> {
     let subdivision = match options.method {
         Method::Tqm => Subdivision::new(SplitRules::QUALITY),
         Method::Paper => {
-            let tfi: Arc<dyn RegionMesher> = Arc::new(Transfinite::new(TfiRules::PAPER));
+            let tfi: Arc<dyn RegionMesher> = Arc::new(Transfinite::new(TfiRules::paper()));
             out.push(tfi.clone());
             Subdivision::new(SplitRules::PAPER).with_companion(tfi)
         }
         Method::Csalf => {
-            let tfi: Arc<dyn RegionMesher> = Arc::new(Transfinite::new(TfiRules::QUALITY));
+            let tfi: Arc<dyn RegionMesher> = Arc::new(Transfinite::new(TfiRules::default()));
             out.push(tfi.clone());
             Subdivision::new(SplitRules::QUALITY).with_companion(tfi)
         }

@@ -30,12 +30,51 @@ pub fn rotated(u: Point2, angle: f64) -> Point2 {
 /// Number of quads wanted at a boundary node of interior angle `theta`: 1 to 4, `round(theta / 90°)`.
 #[inline]
 pub fn wanted_quads(theta: f64) -> u8 {
-    (theta / std::f64::consts::FRAC_PI_2).round().clamp(1.0, 4.0) as u8
+    ((theta / std::f64::consts::FRAC_PI_2 + 0.5) as u8).clamp(1, 4)
+}
+
+/// Direction of `d` as an angle in [-π, π], to within 2e-5 radians and about four times as fast as `atan2`: for
+/// scores that rank many candidates, never for a decision on a side.
+#[inline]
+pub fn rough_direction(d: Point2) -> f64 {
+    use std::f64::consts::{FRAC_PI_2, PI};
+    let (ax, ay) = (d.x.abs(), d.y.abs());
+    let swap = ay > ax;
+    let (small, large) = if swap { (ax, ay) } else { (ay, ax) };
+    if large == 0.0 {
+        return 0.0;
+    }
+    let t = small / large;
+    let s = t * t;
+    // Odd polynomial, least squares over [0, 1].
+    let p = -0.011_721_20;
+    let p = 0.052_653_32 + s * p;
+    let p = -0.116_432_87 + s * p;
+    let p = 0.193_543_46 + s * p;
+    let p = -0.332_623_47 + s * p;
+    let mut a = t * (0.999_977_26 + s * p);
+    if swap {
+        a = FRAC_PI_2 - a;
+    }
+    if d.x < 0.0 {
+        a = PI - a;
+    }
+    if d.y < 0.0 { -a } else { a }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn rough_directions_are_close() {
+        for i in 0..10_000 {
+            let t = (i as f64 / 5000.0 - 1.0) * std::f64::consts::PI;
+            let d = Point2::new(t.cos(), t.sin()) * (1.0 + i as f64);
+            assert!((rough_direction(d) - d.y.atan2(d.x)).abs() < 2e-5, "at {t}");
+        }
+        assert_eq!(rough_direction(Point2::ZERO), 0.0);
+    }
 
     #[test]
     fn interior_angles() {

@@ -42,7 +42,8 @@ impl Weights {
 /// (Handbook 1.7: the paper's |φ - π/2| punishes the ideal remainder of 180 degrees.)
 #[inline]
 pub fn angle_deviation(a: f64) -> f64 {
-    if a < FRAC_PI_2 { FRAC_PI_2 - a } else { (a - FRAC_PI_2 * (a / FRAC_PI_2).round()).abs() }
+    // Rounding by truncation: `f64::round` is a call on baseline processors.
+    if a < FRAC_PI_2 { FRAC_PI_2 - a } else { (a - FRAC_PI_2 * ((a / FRAC_PI_2 + 0.5) as i32 as f64)).abs() }
 }
 
 /// φ of eq. (9): four split angles in radians; 0 is ideal, clipped to 1.5.

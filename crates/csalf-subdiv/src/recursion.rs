@@ -333,8 +333,11 @@ impl<'a> Recursion<'a> {
         self.load_scratch(contour);
         self.tally.fallbacks += 1;
         tracing::debug!(n_nodes = contour.len(), at = ?self.scratch.points[0], "guaranteed fallback");
-        // NOT YET: replaced when the fallback lands.
-        self.children.push(contour.to_vec());
+        match crate::fallback::fill(&self.scratch, self.tolerance) {
+            Ok(patch) => self.take(contour, &patch),
+            // Only a contour that is not valid can end here; the caller decides what that means.
+            Err(_) => self.children.push(contour.to_vec()),
+        }
     }
 
     /// Local names for everything.

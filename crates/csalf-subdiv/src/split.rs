@@ -21,7 +21,7 @@ use crate::functional::{Weights, angle_term};
 use crate::grid::SegmentGrid;
 use crate::view::{Nodes, View};
 use csalf_geom::Point2;
-use csalf_geom::angle::wanted_quads;
+use csalf_geom::angle::{rough_direction, wanted_quads};
 use csalf_mesh::NodeFlags;
 use csalf_sizemap::line::{LineSizes, count_error};
 use csalf_sizemap::{Hint, SizeField};
@@ -42,7 +42,7 @@ pub struct SplitRules {
 
 impl SplitRules {
     /// Rules of the default method.
-    pub const QUALITY: Self = Self { weights: Weights::QUALITY, all_pairs: 96, seeds: 48, lookahead: 8 };
+    pub const QUALITY: Self = Self { weights: Weights::QUALITY, all_pairs: 64, seeds: 48, lookahead: 8 };
     /// Rules of the paper's functional.
     pub const PAPER: Self = Self { weights: Weights::PAPER, ..Self::QUALITY };
 }
@@ -105,7 +105,8 @@ pub(crate) fn segments_for(wanted: f64, step: usize, least: usize) -> usize {
         low += 2;
     }
     let high = low + 2;
-    if (high as f64 / wanted).ln().abs() < (low as f64 / wanted).ln().abs() { high } else { low }
+    // Nearest in ratio: high / wanted < wanted / low.
+    if (high * low) as f64 <= wanted * wanted { high } else { low }
 }
 
 impl Splitter {
@@ -158,7 +159,7 @@ impl Splitter {
             let w = rules.weights.count;
             let phi = score
                 + w * (count_error(segments, fitting)
-                    - count_error(segments_for(guess, step, least_segments(n, step)), guess))
+                    - rough_count_error(segments_for(guess, step, least_segments(n, step)), guess))
                 + 0.3 * (0.6 - clearance).max(0.0);
             let at = self.found.partition_point(|s| s.phi <= phi);
             self.found.insert(at, Split { j, k, segments, phi });
@@ -173,7 +174,7 @@ impl Splitter {
         let (a, b) = (view.point[j], view.point[k]);
         let d = b - a;
         let l = d.length();
-        let phi = d.y.atan2(d.x);
+        let phi = rough_direction(d);
         let norm = |t: f64| {
             if t < 0.0 {
                 t + TAU
@@ -196,7 +197,7 @@ impl Splitter {
         let segments = segments_for(guess, step, least_segments(n, step));
         let mut s = w.angle * angle_term([a1, a2, a3, a4], w.multiples)
             + w.length * l / view.diagonal()
-            + w.count * count_error(segments, guess)
+            + w.count * rough_count_error(segments, guess)
             + w.balance * (n as f64 - 2.0 * step as f64).abs() / n as f64;
         if w.charge > 0.0 {
             // a1 and a4 lie on the side of occurrences j+1 .. k-1 (the left child), a2 and a3 on the other.
@@ -308,6 +309,12 @@ impl Splitter {
         };
         check(j, k, k - j) && check(k, j, n - (k - j))
     }
+}
+
+/// As [`count_error`], without a logarithm: 0 for a perfect fit, 1 for a factor of two.
+fn rough_count_error(segments: usize, wanted: f64) -> f64 {
+    let s = segments as f64;
+    (s.max(wanted) / s.min(wanted) - 1.0).min(1.0)
 }
 
 /// Fewest segments of a split so that neither child has fewer than four.
