@@ -8,6 +8,7 @@
 
 use crate::triad::{Filled, Triad};
 use crate::{Job, MeshError, MeshReport, Meshed, Method, Options};
+use csalf_clean::smooth::SmoothOptions;
 use csalf_geom::arrangement::{Arrangement, CheckOptions};
 use csalf_geom::{Point2, VertexId};
 use csalf_mesh::{NamedSets, NodeFlags, QuadMesh, QuadTopology, RegionMesher};
@@ -87,7 +88,7 @@ fn run_here(job: &Job, options: &Options) -> Result<Meshed, MeshError> {
     watch.lap("topology");
     let mut fixed = vec![false; mesh.points.len()];
     fixed[..arrangement.points.len()].fill(true);
-    let _ = (&topology, &fixed);
+    csalf_clean::smooth::finish(&mut mesh, &topology, &fixed, size.as_ref(), &SmoothOptions::default());
     watch.lap("smooth");
 
     report.timing.stages = watch.stages;

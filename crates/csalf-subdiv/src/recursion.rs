@@ -2,25 +2,28 @@
 //!
 //! ```text
 //!   stack:  [ ... | right child | left child ]  ◀ top
-//!                                   │ 4 nodes: a quad; small: a closure stencil
+//!                                   │ 4, 6, 8 nodes: a closure stencil
 //!                                   │ a companion (transfinite interpolation) takes it whole
 //!                                   └ else: best split line, push right, push left
 //! ```
 //!
 //! 1. Pop the top contour.
-//! 2. Four nodes: emit the quad if it is strictly convex.
+//! 2. Four, six or eight nodes: a closure stencil ([`crate::closure`]), if it is good.
 //! 3. Ask the companions in order; the first that does not refuse fills the contour.
 //! 4. Split by the best line ([`crate::split`]), strict rules first, relaxed ones if nothing is found.
-//! 5. If there is none, or the quad of step 2 is not convex: the guaranteed fallback.
+//! 5. If there is none: a closure stencil of any quality, then the guaranteed fallback ([`crate::fallback`]).
 //!
 //! With companions, step 4 looks one step ahead: of the best few splits, the one whose children the companions
 //! appraise best is taken (handbook 4.6).
 
-use crate::split::{LADDER, Split, SplitRules, Splitter, place, scaled_jacobian};
+use crate::closure::{ClosureResult, close};
+use crate::split::{LADDER, Split, SplitRules, Splitter, place};
 use crate::view::{Nodes, View};
-use csalf_geom::Tolerance;
-use csalf_mesh::{Appraisal, Contour, Patch, Refusal, RegionMesher, RegionTask};
+use csalf_geom::angle::interior_angle;
+use csalf_geom::{Point2, Tolerance};
+use csalf_mesh::{Appraisal, Contour, NodeFlags, Patch, Refusal, RegionMesher, RegionTask};
 use csalf_sizemap::{Hint, SizeField};
+use std::f64::consts::{FRAC_PI_2, TAU};
 use std::sync::Arc;
 
 /// What ended the contours of a recursion.
@@ -57,8 +60,8 @@ const LOOKAHEAD_SIZES: std::ops::RangeInclusive<usize> = 10..=2000;
 /// Score of a child that no companion takes (handbook 4.6).
 const NO_PATTERN: f64 = 1.2;
 
-/// Smallest scaled Jacobian of an emitted quad; below it the contour is filled otherwise.
-const LEAST_SJ: f64 = 1e-4;
+/// Scaled Jacobian of a closure stencil that is taken before anything else is tried.
+const GOOD_CLOSURE: f64 = 0.3;
 
 impl Subdivision {
     /// Subdivision alone (TriQuaMesh) with the given rules.
@@ -191,10 +194,11 @@ impl<'a> Recursion<'a> {
 
     /// Steps 2 to 5 for one contour; children go onto the stack.
     fn fill_one(&mut self, contour: &[u32]) {
-        if contour.len() <= 8 && self.close(contour) {
+        let n = contour.len();
+        if n <= 8 && self.close(contour, GOOD_CLOSURE) {
             return;
         }
-        if contour.len() > 4 {
+        if n > 4 {
             if self.ask_companions(contour) {
                 self.tally.companions += 1;
                 return;
@@ -203,19 +207,41 @@ impl<'a> Recursion<'a> {
                 return;
             }
         }
+        if n <= 8 && self.close(contour, 0.0) {
+            return;
+        }
         self.fall_back(contour);
     }
 
-    /// Emits a contour of four nodes as a quad.
-    fn close(&mut self, contour: &[u32]) -> bool {
-        let [a, b, c, d] = *contour else { return false };
-        let q = [a, b, c, d].map(|v| self.nodes.points[v as usize]);
-        let good = scaled_jacobian(&q) >= LEAST_SJ;
-        if good {
-            self.quads.push([a, b, c, d]);
-            self.tally.closures += 1;
+    /// Closes a contour of 4, 6 or 8 nodes by a stencil, if its worst quad is at least `least`.
+    fn close(&mut self, contour: &[u32], least: f64) -> bool {
+        let n = contour.len();
+        let mut rim = [Point2::ZERO; 8];
+        let mut wanted = [0.0; 8];
+        for (p, &v) in rim.iter_mut().zip(contour) {
+            *p = self.nodes.points[v as usize];
         }
-        good
+        for i in 0..n {
+            let (a, c) = ((i + n - 1) % n, (i + 1) % n);
+            let tip = contour[a] == contour[c];
+            let theta = if tip { TAU } else { interior_angle(rim[a], rim[i], rim[c]) };
+            wanted[i] = theta / FRAC_PI_2;
+        }
+        let mut out = ClosureResult::default();
+        if !close(&rim[..n], &wanted[..n], &mut out).is_some_and(|sj| sj >= least) {
+            return false;
+        }
+        let base = self.nodes.points.len() as u32;
+        for &p in out.points() {
+            let h = self.size.h(p, &mut self.hint);
+            self.nodes.push(p, h, NodeFlags::default());
+        }
+        let node = |name: u8| {
+            if (name as usize) < n { contour[name as usize] } else { base + name as u32 - n as u32 }
+        };
+        self.quads.extend(out.quads().iter().map(|q| q.map(node)));
+        self.tally.closures += 1;
+        true
     }
 
     /// The contour as the seam's type, in `scratch`; ids are nodes.
@@ -307,7 +333,7 @@ impl<'a> Recursion<'a> {
     fn outlook(&mut self, contour: &[u32]) -> f64 {
         if contour.len() == 4 {
             let q = [0, 1, 2, 3].map(|i| self.nodes.points[contour[i] as usize]);
-            return 1.3 * (1.0 - scaled_jacobian(&q));
+            return 1.3 * (1.0 - csalf_mesh::quality::scaled_jacobian::value(&q));
         }
         self.load_scratch(contour);
         let task = RegionTask { contour: &self.scratch, size: self.size, tolerance: self.tolerance };

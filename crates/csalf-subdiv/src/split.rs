@@ -17,15 +17,16 @@
 //! Cost per contour of N nodes: O(N²) below [`SplitRules::all_pairs`], O(N + seeds · log N) above.
 //! Source: paper 5.3; handbook 1.8, 4.3-4.6, 4.10.
 
+use crate::closure;
 use crate::functional::{Weights, angle_term};
 use crate::grid::SegmentGrid;
 use crate::view::{Nodes, View};
 use csalf_geom::Point2;
-use csalf_geom::angle::{rough_direction, wanted_quads};
+use csalf_geom::angle::{interior_angle, rough_direction, wanted_quads};
 use csalf_mesh::NodeFlags;
 use csalf_sizemap::line::{LineSizes, count_error};
 use csalf_sizemap::{Hint, SizeField};
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Tuning of the splitter.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,7 +55,7 @@ pub(crate) struct Strictness {
     min_angle: f64,
     /// Smallest distance of the line from other nodes, in units of the wanted size.
     clearance: f64,
-    /// Smallest scaled Jacobian of a quad that the split cuts off.
+    /// Smallest scaled Jacobian of the quads that close a child of four or six nodes.
     quad_sj: f64,
     /// All pairs up to this contour size.
     all_pairs: usize,
@@ -152,7 +153,7 @@ impl Splitter {
             let (a, b) = (view.point[j], view.point[k]);
             let fitting = LineSizes::new(a, b, size, hint).wanted_segments();
             let segments = segments_for(fitting, step, least_segments(n, step));
-            if !self.quads_are_good(view, j, k, segments, strict) {
+            if !self.small_children_are_good(view, j, k, segments, strict) {
                 continue;
             }
             let guess = 2.0 * a.distance(b) / (view.size[j] + view.size[k]);
@@ -288,16 +289,23 @@ impl Splitter {
         if blocked { None } else { Some(clearance) }
     }
 
-    /// If a child is a quad: its scaled Jacobian is high enough.
-    fn quads_are_good(&self, view: &View, j: usize, k: usize, segments: usize, strict: &Strictness) -> bool {
+    /// If a child has only four or six nodes: the quads that close it are good enough.
+    fn small_children_are_good(
+        &self,
+        view: &View,
+        j: usize,
+        k: usize,
+        segments: usize,
+        strict: &Strictness,
+    ) -> bool {
         let n = view.len();
-        let a = view.point[j];
         let check = |from: usize, to: usize, step: usize| {
-            if step + segments != 4 {
+            let m = step + segments;
+            if m > 6 {
                 return true;
             }
-            let mut q = [a; 4];
-            for (s, slot) in q.iter_mut().enumerate() {
+            let mut rim = [Point2::ZERO; 6];
+            for (s, slot) in rim[..m].iter_mut().enumerate() {
                 *slot = if s <= step {
                     view.point[(from + s) % n]
                 } else {
@@ -305,7 +313,11 @@ impl Splitter {
                     view.point[to].lerp(view.point[from], t)
                 };
             }
-            scaled_jacobian(&q) >= strict.quad_sj
+            let mut wanted = [0.0; 6];
+            for i in 0..m {
+                wanted[i] = interior_angle(rim[(i + m - 1) % m], rim[i], rim[(i + 1) % m]) / FRAC_PI_2;
+            }
+            closure::appraise(&rim[..m], &wanted[..m]).is_some_and(|(sj, _)| sj >= strict.quad_sj)
         };
         check(j, k, k - j) && check(k, j, n - (k - j))
     }
@@ -320,17 +332,6 @@ fn rough_count_error(segments: usize, wanted: f64) -> f64 {
 /// Fewest segments of a split so that neither child has fewer than four.
 fn least_segments(n: usize, step: usize) -> usize {
     4usize.saturating_sub(step.min(n - step)).max(1)
-}
-
-/// Smallest sine of a corner angle, signed.
-pub(crate) fn scaled_jacobian(q: &[Point2; 4]) -> f64 {
-    let mut worst = f64::INFINITY;
-    for i in 0..4 {
-        let (u, v) = (q[(i + 1) % 4] - q[i], q[(i + 3) % 4] - q[i]);
-        let l = (u.length_squared() * v.length_squared()).sqrt();
-        worst = worst.min(if l > 0.0 { u.perp_dot(v) / l } else { -1.0 });
-    }
-    worst
 }
 
 /// Places the nodes of a split and returns their ids, in order from j to k.
