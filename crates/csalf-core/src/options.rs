@@ -23,7 +23,7 @@ pub enum Preset {
 }
 
 /// Options of one run.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Default)]
 pub struct Options {
     /// Method.
     pub method: Method,
@@ -37,17 +37,4 @@ pub struct Options {
     pub allow_triangles: bool,
     /// Allow one node to be added to a scar that cuts off an odd region.
     pub repair_parity: bool,
-}
-
-impl Default for Options {
-    fn default() -> Self {
-        Self {
-            method: Method::default(),
-            preset: Preset::default(),
-            threads: 0,
-            gradation: None,
-            allow_triangles: false,
-            repair_parity: false,
-        }
-    }
 }

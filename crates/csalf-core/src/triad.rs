@@ -36,7 +36,7 @@ pub struct Filled {
     first_id: u32,
     points: Vec<Point2>,
     quads: Vec<[u32; 4]>,
-    children: Vec<Filled>,
+    children: Vec<Self>,
 }
 
 /// No member took a contour.

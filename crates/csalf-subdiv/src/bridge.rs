@@ -292,7 +292,7 @@ fn write_contour(
         if exit < exit_start[o + 1] {
             let half = exits[exit].2;
             let b = &bridges[half / 2];
-            let forward = half % 2 == 0;
+            let forward = half.is_multiple_of(2);
             for k in 0..b.count {
                 let k = b.first + if forward { k } else { b.count - 1 - k };
                 push(&mut out.contour, out.new_points[k], first_new_id + k as u32, NodeFlags::default());
