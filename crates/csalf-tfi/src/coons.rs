@@ -1,5 +1,5 @@
-//! Bilinear transfinite interpolation of one block, with the parameters blended from the arc lengths of all four
-//! sides.
+//! Bilinear transfinite interpolation of one block, with the parameters blended from the arc lengths of all
+//! four sides.
 //!
 //! ```text
 //!        top(i)                 u(i,j), v(i,j): where the line u_bot(i)-u_top(i) meets the line
@@ -54,8 +54,9 @@ impl Side {
     }
 }
 
-/// Writes the inner nodes of the block row by row (`j = 1..b`, in each `i = 1..a`) to `out`. `bot` and `top` run
-/// along i, `left` and `right` along j; opposite sides have equal numbers of nodes and are measured.
+/// Writes the inner nodes of the block row by row (`j = 1..b`, in each `i = 1..a`) to `out`. `bot` and
+/// `top` run along i, `left` and `right` along j; opposite sides have equal numbers of nodes and are
+/// measured.
 pub fn interpolate(bot: &Side, top: &Side, left: &Side, right: &Side, out: &mut Vec<Point2>) {
     let (a, b) = (bot.points.len() - 1, left.points.len() - 1);
     let (p00, pa0, p0b, pab) = (bot.points[0], bot.points[a], top.points[0], top.points[a]);

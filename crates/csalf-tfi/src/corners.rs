@@ -5,15 +5,16 @@
 //!             sure         ambiguous        straight            refuse
 //! ```
 //!
-//! 1. One pass without angles (products only) refuses contours with a reflex node, a slit tip or too many sure
-//!    corners, and collects the corner candidates.
-//! 2. A choice of corners costs `sum_corners ((θ-90)/90)² + sum_others ((θ-180)/90)²`. Making a node a corner changes
-//!    that by `-(135 - θ)/45`, so the cost of a choice is a constant minus the gains of its corners.
-//! 3. Choices: all sure corners with every subset of the best ambiguous ones; and every choice of four candidates
-//!    whose opposite counts are equal (two pairs of antipodal candidates).
+//! 1. One pass without angles (products only) refuses contours with a reflex node, a slit tip or too many
+//!    sure corners, and collects the corner candidates.
+//! 2. A choice of corners costs `sum_corners ((θ-90)/90)² + sum_others ((θ-180)/90)²`. Making a node a
+//!    corner changes that by `-(135 - θ)/45`, so the cost of a choice is a constant minus the gains of its
+//!    corners.
+//! 3. Choices: all sure corners with every subset of the best ambiguous ones; and every choice of four
+//!    candidates whose opposite counts are equal (two pairs of antipodal candidates).
 //!
-//! Source: handbook 4.8 and 5.2, with squares in place of absolute values: a smooth arc of many small bends is then
-//! no worse than a straight side. Cost: 5 ns per node if refused.
+//! Source: handbook 4.8 and 5.2, with squares in place of absolute values: a smooth arc of many small bends
+//! is then no worse than a straight side. Cost: 5 ns per node if refused.
 
 use crate::pattern::MAX_SIDES;
 use csalf_geom::Point2;
@@ -76,8 +77,8 @@ pub struct Survey {
 }
 
 impl Survey {
-    /// Surveys the contour; `None` if it cannot be one patch. `reflex` is the largest interior angle allowed, in
-    /// degrees, 180 to 270.
+    /// Surveys the contour; `None` if it cannot be one patch. `reflex` is the largest interior angle
+    /// allowed, in degrees, 180 to 270.
     pub fn new(contour: &Contour, reflex: f64) -> Option<Self> {
         let n = contour.len();
         if n < 4 || n % 2 == 1 {

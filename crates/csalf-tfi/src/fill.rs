@@ -21,6 +21,12 @@ use crate::pattern::{Chords, MAX_INNER, MAX_VERTICES, Pattern};
 use csalf_geom::Point2;
 use csalf_sizemap::{Hint, SizeField};
 
+/// Patches of more quads are relaxed only within [`BAND`] rows of the inner pattern edges: further away the
+/// blocks are smooth as they are.
+const BAND_FROM: u64 = 300;
+/// Rows on each side of an inner pattern edge. More: smoother, dearer.
+const BAND: u32 = 4;
+
 /// Buffers of the filler; reused from patch to patch.
 #[derive(Clone, Debug, Default)]
 pub struct Filler {
@@ -30,6 +36,7 @@ pub struct Filler {
     pub quads: Vec<[u32; 4]>,
     sides: [Side; 4],
     edge_base: Vec<u32>,
+    active: Vec<u32>,
     relaxation: crate::relax::Relaxation,
     n_ring: usize,
     /// In a coarse trial: how many real edges the edges along sides 0 and 2, 1 and 3 of each quad stand for.
@@ -42,17 +49,20 @@ impl Filler {
         self.n_ring
     }
 
-    /// Relaxes the nodes from `n` on by some sweeps.
-    pub fn relax(&mut self, n: usize, size: &dyn SizeField, sweeps: usize) {
-        self.relaxation.prepare(&self.points, &self.quads, n, size, &self.factor);
+    /// Relaxes by some sweeps: all inner nodes of a small patch, those near the inner pattern edges of a
+    /// big one.
+    pub fn relax(&mut self, size: &dyn SizeField, sweeps: usize) {
+        let n = self.n_ring;
+        self.relaxation.prepare(&self.points, &self.quads, n, &self.active, size, &self.factor);
         for _ in 0..sweeps {
-            self.relaxation.sweep(&mut self.points, n);
+            self.relaxation.sweep(&mut self.points, &self.active);
         }
     }
 
-    /// Fills the ring; its node `start` is the pattern's boundary vertex 0, and it has as many nodes as the boundary
-    /// edges of the pattern have subdivisions by `x`. `real` are the subdivisions of the mesh that is forecast (`x`
-    /// itself, unless this is a coarse trial): they pull the inner vertices of the pattern.
+    /// Fills the ring; its node `start` is the pattern's boundary vertex 0, and it has as many nodes as the
+    /// boundary edges of the pattern have subdivisions by `x`. `real` are the subdivisions of the mesh that
+    /// is forecast (`x` itself, unless this is a coarse trial): they pull the inner vertices of the
+    /// pattern.
     pub fn fill(
         &mut self,
         pattern: &Pattern,
@@ -98,11 +108,17 @@ impl Filler {
             let [a, b] = pattern.edges[e].map(|v| xy[v as usize]);
             space(a, b, count(e), size, &mut hint, &mut self.points);
         }
+        let band = pattern.n_irregular > 0 && pattern.n_quads(x) > BAND_FROM;
+        self.active.clear();
+        if band {
+            self.active.extend(n as u32..self.points.len() as u32);
+        }
         for quad_edges in &pattern.quad_edges {
             let mut sides = std::mem::take(&mut self.sides);
             for k in 0..4 {
                 let (e, back) = quad_edges[k];
-                // Sides 2 and 3 are read backwards, so that bottom and top run along i, left and right along j.
+                // Sides 2 and 3 are read backwards, so that bottom and top run along i, left and right
+                // along j.
                 let back = back != (k >= 2);
                 let side = &mut sides[k];
                 side.clear();
@@ -128,6 +144,16 @@ impl Filler {
                 side.measure();
             }
             let base = self.points.len() as u32;
+            if band {
+                let inner = quad_edges.map(|(e, _)| e as usize >= nb);
+                near(
+                    sides[0].names.len() as u32 - 1,
+                    sides[3].names.len() as u32 - 1,
+                    base,
+                    inner,
+                    &mut self.active,
+                );
+            }
             let [bot, right, top, left] = &sides;
             interpolate(bot, top, left, right, &mut self.points);
             emit(&sides, base, &mut self.quads);
@@ -140,6 +166,24 @@ impl Filler {
             }
             self.sides = sides;
         }
+        if !band {
+            self.active.extend(n as u32..self.points.len() as u32);
+        }
+    }
+}
+
+/// Adds the inner nodes of an a x b block within [`BAND`] rows of those of its sides that are inner pattern
+/// edges.
+fn near(a: u32, b: u32, base: u32, inner: [bool; 4], out: &mut Vec<u32>) {
+    for j in 1..b {
+        let row = base + (j - 1) * (a - 1);
+        if inner[0] && j <= BAND || inner[2] && b - j <= BAND {
+            out.extend(row..row + a - 1);
+            continue;
+        }
+        let low = if inner[3] { BAND.min(a - 1) } else { 0 };
+        let high = if inner[1] { (a - 1).saturating_sub(BAND).max(low) } else { a - 1 };
+        out.extend((row..row + low).chain(row + high..row + a - 1));
     }
 }
 
@@ -193,8 +237,9 @@ fn space(a: Point2, b: Point2, m: u32, size: &dyn SizeField, hint: &mut Hint, ou
     }
 }
 
-/// Moves the inner vertices of the pattern to the weighted mean of their neighbours, weight 1 / (x h) per edge
-/// (h = 1 without a field). Dense Gaussian elimination: the matrix is diagonally dominant, no pivoting is needed.
+/// Moves the inner vertices of the pattern to the weighted mean of their neighbours, weight 1 / (x h) per
+/// edge (h = 1 without a field). Dense Gaussian elimination: the matrix is diagonally dominant, no pivoting
+/// is needed.
 pub fn tutte(
     pattern: &Pattern,
     x: &Chords,

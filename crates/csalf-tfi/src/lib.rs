@@ -1,5 +1,5 @@
-//! Layer 3 of csalf: finishes a contour in one step, by transfinite interpolation of one block or of an N-sided
-//! pattern of blocks with as few irregular vertices as possible. See [`Transfinite`].
+//! Layer 3 of csalf: finishes a contour in one step, by transfinite interpolation of one block or of an
+//! N-sided pattern of blocks with as few irregular vertices as possible. See [`Transfinite`].
 
 pub mod coons;
 pub mod corners;
@@ -14,4 +14,4 @@ pub mod transfinite;
 
 pub use plan::Plan;
 pub use rules::{TfiMode, TfiRules};
-pub use transfinite::{Transfinite, esg};
+pub use transfinite::Transfinite;

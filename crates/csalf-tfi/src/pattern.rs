@@ -1,4 +1,5 @@
-//! N-sided patterns: tiny quad meshes of a disk whose **chords** are subdivided to fit the sides of a contour.
+//! N-sided patterns: tiny quad meshes of a disk whose **chords** are subdivided to fit the sides of a
+//! contour.
 //!
 //! ```text
 //!        4                 s1 = x1 + x2      a chord runs through opposite edges of quads; giving it x
@@ -22,13 +23,14 @@ pub const MAX_VERTICES: usize = 40;
 /// Most inner vertices of a pattern.
 pub const MAX_INNER: usize = 12;
 
-/// A pattern as it stands in the table: boundary vertices `0..n_boundary` counter-clockwise from the first corner,
-/// then the inner ones.
+/// A pattern as it stands in the table: boundary vertices `0..n_boundary` counter-clockwise from the first
+/// corner, then the inner ones.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PatternData {
     /// Name in reports and snapshots.
     pub name: &'static str,
-    /// Number of true corners (boundary vertices of one quad); 0 for the disk, whose four `sides` are virtual.
+    /// Number of true corners (boundary vertices of one quad); 0 for the disk, whose four `sides` are
+    /// virtual.
     pub n_corners: u8,
     /// Boundary vertices where the sides begin; the first is 0.
     pub sides: &'static [u8],
@@ -259,26 +261,14 @@ impl Pattern {
             .collect();
     }
 
-    /// Calls `visit` with solutions of S x = s, x >= 1, side i of the pattern being `sides[i]`. Enumerates all if
-    /// they are few, else a regular sample of about `most`. `closed` is the value of chords that no side sees.
-    /// Cost: `most` times the number of sides and chords.
+    /// Calls `visit` with solutions of S x = s, x >= 1, side i of the pattern being `sides[i]`. Enumerates
+    /// all if they are few, else a regular sample of about `most`. `closed` is the value of chords that no
+    /// side sees. Cost: `most` times the number of sides and chords.
     pub fn solve(&self, sides: &[u32], closed: u32, most: usize, visit: &mut dyn FnMut(&Chords)) {
         if sides.len() != self.sides.len() {
             return;
         }
-        let dot = |w: &[i64; MAX_SIDES]| sides.iter().zip(w).map(|(&s, &c)| i64::from(s) * c).sum::<i64>();
-        if self.conditions.iter().any(|c| dot(c) != 0) {
-            return;
-        }
-        for (row, &s) in self.by_side.iter().zip(sides) {
-            if row.iter().map(|&c| u32::from(c)).sum::<u32>() > s {
-                return;
-            }
-        }
-        let mut rhs = [0i64; MAX_CHORDS];
-        for (r, row) in self.rows.iter().enumerate() {
-            rhs[r] = dot(&row.by_side);
-        }
+        let Some(rhs) = self.right_hand_side(sides) else { return };
         // Upper bounds and strides of the free chords.
         let mut lists = [(1u32, 1u32, 1u32); MAX_CHORDS];
         let mut total = 1usize;
@@ -308,21 +298,79 @@ impl Pattern {
             for (k, &f) in self.free.iter().enumerate() {
                 x[f] = at[k];
             }
-            let mut good = true;
-            for (r, row) in self.rows.iter().enumerate() {
-                let v = rhs[r] - self.free.iter().map(|&f| row.by_free[f] * i64::from(x[f])).sum::<i64>();
-                if v < row.den || v % row.den != 0 {
-                    good = false;
-                    break;
-                }
-                x[row.pivot] = (v / row.den) as u32;
-            }
-            if good {
+            if self.complete(&rhs, &mut x) {
                 visit(&x);
             }
             let Some(k) = (0..nf).rev().find(|&k| at[k] + lists[k].2 <= lists[k].1) else { return };
             at[k] += lists[k].2;
             at[k + 1..nf].iter_mut().zip(&lists[k + 1..nf]).for_each(|(a, l)| *a = l.0);
+        }
+    }
+
+    /// The part of each pivot that the sides fix; `None` if the sides have no solution.
+    fn right_hand_side(&self, sides: &[u32]) -> Option<[i64; MAX_CHORDS]> {
+        let dot = |w: &[i64; MAX_SIDES]| sides.iter().zip(w).map(|(&s, &c)| i64::from(s) * c).sum::<i64>();
+        if sides.len() != self.sides.len() || self.conditions.iter().any(|c| dot(c) != 0) {
+            return None;
+        }
+        for (row, &s) in self.by_side.iter().zip(sides) {
+            if row.iter().map(|&c| u32::from(c)).sum::<u32>() > s {
+                return None;
+            }
+        }
+        let mut rhs = [0i64; MAX_CHORDS];
+        rhs.iter_mut().zip(&self.rows).for_each(|(r, row)| *r = dot(&row.by_side));
+        Some(rhs)
+    }
+
+    /// Fills in the pivots after the free chords; false if one is not an integer >= 1.
+    fn complete(&self, rhs: &[i64; MAX_CHORDS], x: &mut Chords) -> bool {
+        for (r, row) in self.rows.iter().enumerate() {
+            let v = rhs[r] - self.free.iter().map(|&f| row.by_free[f] * i64::from(x[f])).sum::<i64>();
+            if v < row.den || v % row.den != 0 {
+                return false;
+            }
+            x[row.pivot] = (v / row.den) as u32;
+        }
+        true
+    }
+
+    /// Descends from solution `x` to one where `cost` is least among the solutions that differ in one free
+    /// chord, in steps that halve from `step` to 1; returns that cost. Chords that no side sees stay. At
+    /// most 64 evaluations.
+    pub fn descend(
+        &self,
+        sides: &[u32],
+        x: &mut Chords,
+        step: u32,
+        cost: &mut dyn FnMut(&Chords) -> f64,
+    ) -> f64 {
+        let mut best = cost(x);
+        let Some(rhs) = self.right_hand_side(sides) else { return best };
+        let (mut step, mut left) = (step.max(1), 64);
+        loop {
+            let mut moved = false;
+            for &f in self.free.iter().filter(|&&f| self.by_side.iter().any(|s| s[f] > 0)) {
+                for up in [true, false] {
+                    let mut y = *x;
+                    y[f] = if up { y[f] + step } else { y[f].saturating_sub(step) };
+                    if left == 0 || y[f] == 0 || !self.complete(&rhs, &mut y) {
+                        continue;
+                    }
+                    left -= 1;
+                    let c = cost(&y);
+                    if c < best {
+                        (*x, best, moved) = (y, c, true);
+                        break;
+                    }
+                }
+            }
+            if left == 0 || !moved && step == 1 {
+                return best;
+            }
+            if !moved {
+                step = step.div_ceil(2);
+            }
         }
     }
 

@@ -6,10 +6,12 @@
 //! ```
 //!
 //! 1. [`Survey`] refuses most contours in one pass.
-//! 2. The cheapest interpretations are matched with all patterns of their number of corners, in all rotations.
-//! 3. Each solution of the chord system is forecast: Tutte positions of the inner pattern vertices, misfit of the
-//!    edge lengths to x h, corner angles of the pattern quads.
-//! 4. The best forecasts are tried with at most [`COARSE`] subdivisions per chord and measured (handbook 5.6).
+//! 2. The cheapest interpretations are matched with all patterns of their number of corners, in all
+//!    rotations.
+//! 3. Each solution of the chord system is forecast: Tutte positions of the inner pattern vertices, misfit
+//!    of the edge lengths to x h, corner angles of the pattern quads.
+//! 4. The best forecasts are tried with at most [`COARSE`] subdivisions per chord and measured (handbook
+//!    5.6).
 
 use crate::corners::{Interpretation, Survey, along};
 use crate::fill::{Filler, tutte};
@@ -34,7 +36,7 @@ const MAX_TRIALS: usize = 5;
 /// A plan is not tried if a good one is better by this much in the forecast.
 const GAP: f64 = 0.15;
 /// Most chord solutions that are forecast per pattern and rotation.
-const MAX_SOLUTIONS: usize = 48;
+const MAX_SOLUTIONS: usize = 24;
 
 /// A way to fill the contour, with its forecast.
 #[derive(Clone, Debug)]
@@ -71,8 +73,8 @@ impl Plan {
         a.min_sj >= 0.65 * sharp && a.mean_sj >= 0.88 && a.worst_size_error <= 2.2 && self.edge_misfit <= 0.35
     }
 
-    /// True if the rules accept a patch like the forecast. `slack` (0 to 1) weakens the thresholds of shape: the
-    /// coarse trial is a forecast only.
+    /// True if the rules accept a patch like the forecast. `slack` (0 to 1) weakens the thresholds of
+    /// shape: the coarse trial is a forecast only.
     pub fn accepted(&self, rules: &TfiRules, n: usize, slack: f64) -> bool {
         let a = &self.appraisal;
         a.min_sj >= rules.floor(n, self.sharpest) * (1.0 - slack)
@@ -207,7 +209,8 @@ fn disks(task: &RegionTask<'_>, rules: &TfiRules, i: &Interpretation, found: &mu
     }
 }
 
-/// Forecasts the solutions of one pattern in one rotation and keeps the best two.
+/// Forecasts the solutions of one pattern in one rotation and keeps the best, and the best of
+/// those with thick blocks: the forecast is rough.
 #[expect(clippy::too_many_arguments, reason = "one call deep, all different")]
 fn collect(
     task: &RegionTask<'_>,
@@ -219,19 +222,34 @@ fn collect(
     i: &Interpretation,
     found: &mut Vec<Plan>,
 ) {
-    let first = found.len();
+    let mut best: Option<(f64, Chords)> = None;
+    let mut even: Option<(f64, Chords)> = None;
     pattern.solve(sides, closed, MAX_SOLUTIONS, &mut |x| {
-        let n_quads = pattern.n_quads(x);
-        if n_quads > rules.most_quads {
-            return;
+        let f = forecast(task, pattern, x, start);
+        if best.is_none_or(|(c, _)| f < c) {
+            best = Some((f, *x));
         }
-        let misfit = i.cost + 0.1 * pattern.n_irregular as f64 + forecast(task, pattern, x, start);
-        let plan = Plan {
+        // The irregular vertices are farthest from each other and from the boundary.
+        let f = f + x[..pattern.n_chords].iter().map(|&x| 1.0 / f64::from(x)).sum::<f64>();
+        if even.is_none_or(|(c, _)| f < c) {
+            even = Some((f, *x));
+        }
+    });
+    let (Some((_, mut x)), Some((_, even))) = (best, even) else { return };
+    let longest = sides.iter().copied().max().unwrap_or(1);
+    let misfit = pattern.descend(sides, &mut x, longest / 16, &mut |x| forecast(task, pattern, x, start));
+    let second = (x != even).then(|| (even, forecast(task, pattern, &even, start)));
+    for (x, misfit) in [Some((x, misfit)), second].into_iter().flatten() {
+        let n_quads = pattern.n_quads(&x);
+        if n_quads > rules.most_quads {
+            continue;
+        }
+        found.push(Plan {
             pattern,
-            x: *x,
+            x,
             start,
             sharpest: i.sharpest,
-            misfit,
+            misfit: i.cost + 0.1 * pattern.n_irregular as f64 + misfit,
             edge_misfit: f64::MAX,
             appraisal: Appraisal {
                 min_sj: -1.0,
@@ -241,20 +259,12 @@ fn collect(
                 size_error: f64::MAX,
                 worst_size_error: f64::MAX,
             },
-        };
-        if found.len() < first + 2 {
-            found.push(plan);
-        } else {
-            let worst = if found[first].misfit > found[first + 1].misfit { first } else { first + 1 };
-            if misfit < found[worst].misfit {
-                found[worst] = plan;
-            }
-        }
-    });
+        });
+    }
 }
 
-/// Misfit of one solution: mean squared log of (edge length / (x h)) over the inner pattern edges, and the lack of
-/// scaled Jacobian of the pattern quads. 0 for a single block.
+/// Misfit of one solution: mean squared log of (edge length / (x h)) over the inner pattern edges, and the
+/// lack of scaled Jacobian of the pattern quads. 0 for a single block.
 fn forecast(task: &RegionTask<'_>, pattern: &Pattern, x: &Chords, start: u32) -> f64 {
     let nb = pattern.n_boundary;
     if pattern.edges.len() == nb {
@@ -312,9 +322,8 @@ fn try_coarse(task: &RegionTask<'_>, plan: &mut Plan, filler: &mut Filler) {
         (0..m).map(move |i| along(p, from + step * f64::from(i)))
     });
     filler.fill(pattern, &x, ring, 0, task.size, &plan.x);
-    let n = filler.n_ring();
     if pattern.n_irregular > 0 {
-        filler.relax(n, task.size, 6);
+        filler.relax(task.size, 6);
     }
     let s = shape(&filler.points, &filler.quads);
     let f = fit(&filler.points, &filler.quads, task.size, usize::MAX, &filler.factor);

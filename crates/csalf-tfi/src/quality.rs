@@ -12,8 +12,8 @@ pub struct Shape {
     pub mean_sj: f64,
 }
 
-/// Shape of the quads. A corner below 1e-9 is decided by the exact predicate: if it is not strictly convex, the
-/// result's `min_sj` is at most 0. Cost: 15 ns per quad.
+/// Shape of the quads. A corner below 1e-9 is decided by the exact predicate: if it is not strictly convex,
+/// the result's `min_sj` is at most 0. Cost: 15 ns per quad.
 pub fn shape(points: &[Point2], quads: &[[u32; 4]]) -> Shape {
     let (mut min, mut sum) = (f64::INFINITY, 0.0);
     for q in quads {
@@ -43,8 +43,9 @@ pub fn shape(points: &[Point2], quads: &[[u32; 4]]) -> Shape {
     Shape { min_sj: min, mean_sj: sum / quads.len() as f64 }
 }
 
-/// Scaled Jacobian below which rounding might matter: larger asks the exact predicate more often, smaller would
-/// trust cancelled digits (coordinates are good to about 1e-16 of the domain, edges are above 1e-6 of it).
+/// Scaled Jacobian below which rounding might matter: larger asks the exact predicate more often, smaller
+/// would trust cancelled digits (coordinates are good to about 1e-16 of the domain, edges are above 1e-6 of
+/// it).
 const NEARLY_FLAT: f64 = 1e-8;
 
 /// How well a patch follows the size field.
@@ -58,8 +59,8 @@ pub struct Fit {
     pub edges: f64,
 }
 
-/// Fit of at most about `most` quads, evenly chosen. `factor[q]`: how many real edges an edge along sides 0 and 2, or
-/// 1 and 3, of quad q stands for; empty: one. Cost: a size query per quad looked at.
+/// Fit of at most about `most` quads, evenly chosen. `factor[q]`: how many real edges an edge along sides 0
+/// and 2, or 1 and 3, of quad q stands for; empty: one. Cost: a size query per quad looked at.
 pub fn fit(
     points: &[Point2],
     quads: &[[u32; 4]],

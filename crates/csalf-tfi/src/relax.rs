@@ -12,7 +12,8 @@
 //! 2. Weights are frozen at the start, so the sweeps converge to a unique solution (a convex problem).
 //! 3. Gauss-Seidel sweeps in the order of the nodes.
 //!
-//! Cost: 60 ns per node to set up (and a size query per node, unless h is constant), 20 ns per node and sweep.
+//! Cost: 60 ns per node to set up (and a size query per quad, unless h is constant), 20 ns per node and
+//! sweep.
 
 use csalf_geom::Point2;
 use csalf_sizemap::{Hint, SizeField};
@@ -23,53 +24,64 @@ pub struct Relaxation {
     start: Vec<u32>,
     neighbour: Vec<u32>,
     weight: Vec<f64>,
-    h: Vec<f64>,
+    slot: Vec<u32>,
 }
 
+/// Not an active node.
+const NONE: u32 = u32::MAX;
+
 impl Relaxation {
-    /// Collects neighbours and weights of the nodes from `n` on. `factor`: how many real edges an edge along sides
-    /// 0 and 2, or 1 and 3, of each quad stands for; empty: one.
+    /// Collects neighbours and weights of the `active` nodes, none of which is below `n`. `factor`: how
+    /// many real edges an edge along sides 0 and 2, or 1 and 3, of each quad stands for; empty: one.
     pub fn prepare(
         &mut self,
         points: &[Point2],
         quads: &[[u32; 4]],
         n: usize,
+        active: &[u32],
         size: &dyn SizeField,
         factor: &[[f64; 2]],
     ) {
-        let m = points.len() - n;
+        let m = active.len();
+        self.slot.clear();
+        self.slot.resize(points.len() - n, NONE);
+        active.iter().zip(0..).for_each(|(&v, i)| self.slot[v as usize - n] = i);
         self.start.clear();
         self.start.resize(m + 2, 0);
+        let slot = |v: u32| if (v as usize) < n { NONE } else { self.slot[v as usize - n] };
         for &v in quads.iter().flatten() {
-            if v as usize >= n {
-                self.start[v as usize - n + 2] += 1;
+            let i = slot(v);
+            if i != NONE {
+                self.start[i as usize + 2] += 1;
             }
         }
         for i in 2..m + 2 {
             self.start[i] += self.start[i - 1];
-        }
-        self.h.clear();
-        if size.constant().is_none() {
-            let mut hint = Hint::default();
-            self.h.extend(points.iter().map(|&p| size.h(p, &mut hint)));
         }
         let total = self.start[m + 1] as usize;
         self.neighbour.clear();
         self.neighbour.resize(total, 0);
         self.weight.clear();
         self.weight.resize(total, 1.0);
-        let plain = self.h.is_empty() && factor.is_empty();
+        let plain = size.constant().is_some() && factor.is_empty();
+        let mut hint = Hint::default();
         for (i, q) in quads.iter().enumerate() {
+            let h = q.map(slot);
+            if h == [NONE; 4] {
+                continue;
+            }
+            // One size per quad: an edge gets the mean rate of its two quads by the two ways it is stored.
+            let rate = if plain {
+                1.0
+            } else {
+                let middle = q.iter().map(|&v| points[v as usize]).sum::<Point2>() * 0.25;
+                1.0 / size.h(middle, &mut hint)
+            };
             for k in 0..4 {
-                let v = q[k] as usize;
-                if v >= n {
-                    let u = q[(k + 1) % 4] as usize;
-                    let s = &mut self.start[v - n + 1];
-                    self.neighbour[*s as usize] = u as u32;
-                    if !plain {
-                        let h = if self.h.is_empty() { 1.0 } else { 0.5 * (self.h[u] + self.h[v]) };
-                        self.weight[*s as usize] = 1.0 / (h * factor.get(i).map_or(1.0, |f| f[k % 2]));
-                    }
+                if h[k] != NONE {
+                    let s = &mut self.start[h[k] as usize + 1];
+                    self.neighbour[*s as usize] = q[(k + 1) % 4];
+                    self.weight[*s as usize] = rate / factor.get(i).map_or(1.0, |f| f[k % 2]);
                     *s += 1;
                 }
             }
@@ -81,14 +93,14 @@ impl Relaxation {
         }
     }
 
-    /// One sweep over the nodes from `n` on.
-    pub fn sweep(&self, points: &mut [Point2], n: usize) {
-        for i in 0..points.len() - n {
+    /// One sweep over the active nodes.
+    pub fn sweep(&self, points: &mut [Point2], active: &[u32]) {
+        for (i, &v) in active.iter().enumerate() {
             let mut s = Point2::ZERO;
             for k in self.start[i] as usize..self.start[i + 1] as usize {
                 s += points[self.neighbour[k] as usize] * self.weight[k];
             }
-            points[n + i] = s;
+            points[v as usize] = s;
         }
     }
 }

@@ -15,7 +15,8 @@ pub enum TfiMode {
 pub struct TfiRules {
     /// Which patches are tried.
     pub mode: TfiMode,
-    /// Smallest scaled Jacobian. Lower: fewer splits, worse worst quads. A sharp corner of the input lowers it to
+    /// Smallest scaled Jacobian. Lower: fewer splits, worse worst quads. A sharp corner of the input lowers
+    /// it to
     /// 0.9 of the sine of its angle.
     pub min_sj: f64,
     /// The same for contours of at most `small` nodes, which splitting hardly improves.
@@ -80,7 +81,8 @@ impl TfiRules {
         }
     }
 
-    /// Smallest scaled Jacobian accepted on a contour of `n` nodes whose sharpest corner is `sharpest` degrees.
+    /// Smallest scaled Jacobian accepted on a contour of `n` nodes whose sharpest corner is `sharpest`
+    /// degrees.
     pub fn floor(&self, n: usize, sharpest: f64) -> f64 {
         let m = if n <= self.small { self.min_sj_small } else { self.min_sj };
         if sharpest < 90.0 { m.min(0.9 * sharpest.to_radians().sin()) } else { m }

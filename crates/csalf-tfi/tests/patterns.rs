@@ -96,7 +96,8 @@ fn rectangles_are_complete() {
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
-    /// The built mesh has exactly the boundary, the irregular vertices and the quads that the pattern predicts.
+    /// The built mesh has exactly the boundary, the irregular vertices and the quads that the pattern
+    /// predicts.
     #[test]
     fn filled_patterns_keep_their_promise(
         counts in proptest::collection::vec(1u32..5, MAX_CHORDS),
