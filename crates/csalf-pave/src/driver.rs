@@ -229,7 +229,7 @@ fn cycle(
         let mut proposals: Vec<(usize, Candidate)> = Vec::new();
         let mut verdicts: Vec<Option<Failure>> = vec![None; tries.len()];
         for (k, t) in tries.iter().enumerate() {
-            match propose(task, &paths[t.path], t, standing.as_ref(), all, hint) {
+            match propose(task, paths, t, standing.as_ref(), all, hint) {
                 Ok(c) => proposals.push((k, c)),
                 Err(f) => verdicts[k] = Some(f),
             }
@@ -240,12 +240,7 @@ fn cycle(
         for (k, c) in proposals {
             let i = tries[k].path;
             let p = &mut paths[i];
-            let others = Others {
-                index: &index,
-                own: p.index,
-                committed: &committed,
-                gap: if p.user { 0.5 } else { 1.2 },
-            };
+            let others = Others { index: &index, own: p.index, committed: &committed, gap: corridor(p) };
             let corners = |q: usize| {
                 c.quads[q].map(|v| if v >= NEW { c.points[(v - NEW) as usize] } else { all[v as usize] })
             };
@@ -266,6 +261,7 @@ fn cycle(
             let Some(failure) = verdict else { continue };
             let p = &mut paths[t.path];
             t.first.get_or_insert(failure.stop);
+            tracing::debug!(walk = t.path, layer = p.done, stage = ?t.stage, stop = %failure.stop, "ring refused");
             match t.stage.after(&failure, p, task.partial, &mut t.banned) {
                 Some(stage) => again.push(Try { stage, ..t }),
                 None => {
@@ -309,25 +305,8 @@ impl Stage {
     /// What to try after this stage failed; `None`: give up. Marks the stretches to be left out.
     fn after(self, f: &Failure, p: &Path<'_>, partial: bool, banned: &mut Vec<bool>) -> Option<Self> {
         let n = p.state.nodes.len();
-        let hopeless = matches!(
-            f.stop,
-            Stop::Short | Stop::UnevenFronts | Stop::FarFromSize | Stop::Thick | Stop::LittleLeft
-        );
+        let hopeless = matches!(f.stop, Stop::Short | Stop::UnevenFronts | Stop::FarFromSize | Stop::Thick);
         if n < 4 || hopeless {
-            return None;
-        }
-        let next = match self {
-            Self::Whole if !p.user => return Some(Self::Capped),
-            Self::Whole | Self::Capped => Self::Part(1),
-            Self::Part(k) => Self::Part(k + 1),
-        };
-        // A second layer that nobody asked for is not worth a ragged end.
-        if !partial
-            || n < 12
-            || f.at.is_empty()
-            || (!p.user && p.done > 0)
-            || next == Self::Part(Self::PARTS + 1)
-        {
             return None;
         }
         banned.resize(n, false);
@@ -337,19 +316,29 @@ impl Stage {
                 banned[k % n] = true;
             }
         }
-        Some(next)
+        let next = match self {
+            Self::Whole if !p.user => return Some(Self::Capped),
+            Self::Whole | Self::Capped => Self::Part(1),
+            Self::Part(_) if f.stop == Stop::LittleLeft => return None,
+            Self::Part(k) => Self::Part(k + 1),
+        };
+        // A second layer that nobody asked for is not worth a ragged end.
+        let worth = p.user || p.done == 0;
+        let known = banned.contains(&true) && next != Self::Part(Self::PARTS + 1);
+        (partial && n >= 12 && worth && known).then_some(next)
     }
 }
 
 /// Builds the next ring of a path, or says why there is none.
 fn propose(
     task: &LayerTask<'_>,
-    p: &Path<'_>,
+    paths: &[Path<'_>],
     attempt: &Try,
     index: Option<&Index>,
     all: &[Point2],
     hint: &mut Hint,
 ) -> Result<Candidate, Failure> {
+    let p = &paths[attempt.path];
     let far = p.state.points.first().map_or(p.mean, |q| task.size.h(*q, hint));
     let t = thickness(&p.spec, p.done, p.mean, far);
     if p.walk.kind == WalkKind::Point && p.done == 0 {
@@ -369,7 +358,7 @@ fn propose(
         }
     }
     let caps = match (attempt.stage, index) {
-        (Stage::Capped, Some(index)) => Some(room(p, index)),
+        (Stage::Capped, Some(index)) => Some(room(p, paths, index)),
         _ => None,
     };
     let order = Order {
@@ -378,7 +367,7 @@ fn propose(
         rules: task.rules,
         field: task.size,
         caps: caps.as_deref(),
-        banned: (!attempt.banned.is_empty()).then_some(&attempt.banned),
+        banned: matches!(attempt.stage, Stage::Part(_)).then_some(&attempt.banned),
     };
     build(&p.state, &order, all)
 }
@@ -414,9 +403,14 @@ fn tangent(p: Point2, t: f64, own: u32, index: Option<&Index>) -> Point2 {
     Point2::X
 }
 
-/// Medial caps: half of what lies between a node and the nearest other front, less a corridor of 0.8 edges
-/// (handbook 2.3).
-fn room(p: &Path<'_>, index: &Index) -> Vec<f64> {
+/// Gap that must remain to other fronts, in lengths of the fronts: asked layers take what they are given.
+fn corridor(p: &Path<'_>) -> f64 {
+    if p.user { 0.5 } else { 1.2 }
+}
+
+/// Medial caps: what lies between a node and the nearest other front, less the corridor that must remain; half of it
+/// if that front still wants a ring of its own (handbook 2.3).
+fn room(p: &Path<'_>, paths: &[Path<'_>], index: &Index) -> Vec<f64> {
     let n = p.state.nodes.len();
     (0..n)
         .map(|i| {
@@ -424,13 +418,16 @@ fn room(p: &Path<'_>, index: &Index) -> Vec<f64> {
             let s =
                 0.5 * (q.distance(p.state.points[(i + 1) % n]) + q.distance(p.state.points[(i + n - 1) % n]));
             let reach = 4.0 * s;
-            let mut d = f64::INFINITY;
+            let mut cap = f64::INFINITY;
             index.query(q - reach, q + reach, |f| {
                 if f.owner != p.index {
-                    d = d.min(distance(q, f.a, f.b));
+                    let other = &paths[f.owner as usize];
+                    let keep = 1.05 * corridor(p) * 0.5 * (s + s.min(f.a.distance(f.b)));
+                    let share = if other.active && other.done <= p.done { 0.5 } else { 1.0 };
+                    cap = cap.min(share * (distance(q, f.a, f.b) - keep));
                 }
             });
-            (0.5 * (d - 1.2 * s)).max(0.0)
+            cap.max(0.0)
         })
         .collect()
 }
