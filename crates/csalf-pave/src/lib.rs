@@ -3,10 +3,12 @@
 //! - [`front`]: the six loop fronts of Table I; [`classify`]: which node gets which.
 //! - [`place`]: where their new nodes go; [`laws`]: how thick the layers are.
 //! - [`ring`]: the ring of a whole loop as connectivity, with no closure needed.
+//! - [`closure`]: the paper's sequential march with its closure stencils (Table II), which makes the same ring.
 //! - [`driver`]: Algorithm I, layers around all loops of a region; [`evaluate`]: the tests that a ring must pass.
 
 mod build;
 pub mod classify;
+pub mod closure;
 pub mod driver;
 pub mod evaluate;
 pub mod front;
