@@ -5,13 +5,13 @@
 //!         │ e2              T = A W^-1 (a shear of A),  D = det T,  t = tr(T'T)
 //!         │                 shape  f = t / (2 D)           >= 1, = 1 if A is the target, turned and scaled
 //!   corner└───── next       size   g = (D + 1/D) / 2       >= 1, = 1 if the area is the target's
-//!            e1             F = (1 - lambda) f + lambda g,     E = sum over the corners of F^2
+//!            e1             F = (1 - lambda) f + lambda g,     E = sum over the corners of F^p, p = 2 or more
 //! ```
 //!
 //! With e1' = e1 / a, e2' = e2 / b: D = e1' x e2' and t = (|e1'|² + |e2'|² - 2 cos(alpha) e1'.e2') /
 //! sin(alpha), when W is scaled to area a b. As a function of one vertex T is affine, so f is quadratic over
 //! linear and g a sum of convex functions: **E is convex where all D > 0**, and Newton's method is safe. The
-//! square draws on the worst corners more than on the mean.
+//! power draws on the worst corners more than on the mean.
 //!
 //! For tangled meshes D in the denominators is replaced by chi(D, eps) = (D + sqrt(D² + eps²)) / 2 > 0.
 //!
@@ -19,6 +19,15 @@
 
 use super::region::Region;
 use csalf_geom::Point2;
+
+/// What the energy of a corner is made of.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Weights {
+    /// Share of size, 0 to 1.
+    pub(crate) lambda: f64,
+    /// Power of F, 2 or more: the larger, the more the worst corners count.
+    pub(crate) power: i32,
+}
 
 /// Energy, gradient and Hessian (xx, xy, yy) as a function of one vertex.
 #[derive(Clone, Copy, Default)]
@@ -70,7 +79,8 @@ fn corners_at(region: &Region, at: Point2, h: u32) -> [(Corner, f64, f64); 3] {
 /// Value and derivatives of the energy of the corners around free vertex `v`, were it at `at`. Meaningful
 /// only if `min_d` > 0.
 #[inline]
-pub(crate) fn local(region: &Region, v: u32, at: Point2, lambda: f64) -> Local {
+pub(crate) fn local(region: &Region, v: u32, at: Point2, weights: Weights) -> Local {
+    let lambda = weights.lambda;
     let mut out = Local { min_d: f64::INFINITY, ..Local::default() };
     for &h in region.star(v) {
         for (c, f1, f2) in corners_at(region, at, h) {
@@ -92,12 +102,14 @@ pub(crate) fn local(region: &Region, v: u32, at: Point2, lambda: f64) -> Local {
             let hxx = s * kt + 2.0 * x * dt.x * dd.x + y * dd.x * dd.x;
             let hxy = x * (dt.x * dd.y + dt.y * dd.x) + y * dd.x * dd.y;
             let hyy = s * kt + 2.0 * x * dt.y * dd.y + y * dd.y * dd.y;
-            // Of F².
-            out.value += f * f;
-            out.gradient += (2.0 * f) * df;
-            out.hessian[0] += 2.0 * (f * hxx + df.x * df.x);
-            out.hessian[1] += 2.0 * (f * hxy + df.x * df.y);
-            out.hessian[2] += 2.0 * (f * hyy + df.y * df.y);
+            // Of the power of F.
+            let w = f.powi(weights.power - 2);
+            let (n, m) = (f64::from(weights.power) * w, f64::from(weights.power - 1));
+            out.value += w * f * f;
+            out.gradient += (n * f) * df;
+            out.hessian[0] += n * (f * hxx + m * df.x * df.x);
+            out.hessian[1] += n * (f * hxy + m * df.x * df.y);
+            out.hessian[2] += n * (f * hyy + m * df.y * df.y);
             out.min_d = out.min_d.min(d);
         }
     }
@@ -107,7 +119,8 @@ pub(crate) fn local(region: &Region, v: u32, at: Point2, lambda: f64) -> Local {
 /// Energy of the corners around `v`, were it at `at`, and their smallest scaled Jacobian, squared with its
 /// sign. The energy is infinite if a corner is not positive.
 #[inline]
-pub(crate) fn trial(region: &Region, v: u32, at: Point2, lambda: f64) -> (f64, f64) {
+pub(crate) fn trial(region: &Region, v: u32, at: Point2, weights: Weights) -> (f64, f64) {
+    let lambda = weights.lambda;
     let (mut value, mut worst) = (0.0, f64::INFINITY);
     let mut positive = true;
     for &h in region.star(v) {
@@ -116,7 +129,7 @@ pub(crate) fn trial(region: &Region, v: u32, at: Point2, lambda: f64) -> (f64, f
             positive &= d > 0.0;
             let (l1, l2) = (c.e1.length_squared(), c.e2.length_squared());
             let f = (0.5 * (1.0 - lambda) * c.t() + 0.5 * lambda * (d * d + 1.0)) / d;
-            value += f * f;
+            value += f.powi(weights.power);
             let s = d * d.abs() / (l1 * l2);
             worst = if s < worst { s } else { worst };
         }

@@ -24,6 +24,7 @@ mod untangle;
 use csalf_geom::VertexId;
 use csalf_mesh::{QuadMesh, QuadTopology, quality::FLAT};
 use csalf_sizemap::SizeField;
+use energy::Weights;
 use rayon::prelude::*;
 use region::{PARALLEL_FROM, Region, Scratch, grow};
 use sweep::Sweeps;
@@ -45,6 +46,8 @@ pub struct SmoothOptions {
     pub sweeps: usize,
     /// Weight of size against shape in the energy, 0 to 1. (Handbook 7.3: 0.1 to 0.5.)
     pub lambda: f64,
+    /// Power of the energy of a corner, 2 to 8: the larger, the more the worst corners count against the mean.
+    pub power: i32,
     /// A vertex that moves less than this share of the wanted length is settled.
     pub tolerance: f64,
     /// A corner may lose scaled Jacobian down to this (but never below the smallest of the region before),
@@ -59,7 +62,8 @@ impl Default for SmoothOptions {
             rings: 2,
             laplace_sweeps: 2,
             sweeps: 10,
-            lambda: 0.3,
+            lambda: 0.2,
+            power: 4,
             tolerance: 4e-3,
             floor: 0.6,
         }
@@ -134,6 +138,7 @@ pub fn smooth_boxed(
     // Squared, as the steps compare it. A positive minimum must not fall; below that there is nothing to
     // lose.
     let floor = options.floor.max(before).powi(2);
+    let weights = Weights { lambda: options.lambda, power: options.power.clamp(1, 16) };
     let mut sweeps = Sweeps::new(&region, options.tolerance);
     for _ in 0..options.laplace_sweeps {
         if sweeps.run(&mut region, |r, v| laplace::step(r, v, floor)) == 0 {
@@ -143,9 +148,7 @@ pub fn smooth_boxed(
     sweeps.unsettle();
     for _ in 0..options.sweeps {
         report.sweeps += 1;
-        if sweeps
-            .run(&mut region, |r, v| optimise::step(r, v, options.lambda, floor, 0.25 * options.tolerance))
-            == 0
+        if sweeps.run(&mut region, |r, v| optimise::step(r, v, weights, floor, 0.25 * options.tolerance)) == 0
         {
             break;
         }

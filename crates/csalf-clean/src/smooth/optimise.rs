@@ -9,7 +9,10 @@
 //! Guarantees: positive corners stay positive; the smallest scaled Jacobian of the region does not fall, if
 //! the floor is not below it. Cost about 0.4 us per visit. Source: handbook 7.3 (b) and 7.4.
 
-use super::{energy, region::Region};
+use super::{
+    energy::{self, Weights},
+    region::Region,
+};
 use csalf_geom::Point2;
 
 /// Share of the predicted decrease that a step must bring (Armijo). Larger: shorter steps; 0: any decrease.
@@ -20,9 +23,9 @@ const HALVINGS: usize = 5;
 
 /// Where free vertex `v` goes, or its own place. `floor` as in the Laplace step; steps shorter than `short`
 /// target lengths are not worth a trial.
-pub(crate) fn step(region: &Region, v: u32, lambda: f64, floor: f64, short: f64) -> Point2 {
+pub(crate) fn step(region: &Region, v: u32, weights: Weights, floor: f64, short: f64) -> Point2 {
     let old = region.points[v as usize];
-    let e = energy::local(region, v, old, lambda);
+    let e = energy::local(region, v, old, weights);
     let g = e.gradient;
     let [a, b, c] = e.hessian;
     let det = a * c - b * b;
@@ -39,7 +42,7 @@ pub(crate) fn step(region: &Region, v: u32, lambda: f64, floor: f64, short: f64)
     let mut alpha = 1.0;
     for _ in 0..=HALVINGS {
         let goal = old + alpha * p;
-        let (value, worst) = energy::trial(region, v, goal, lambda);
+        let (value, worst) = energy::trial(region, v, goal, weights);
         if value <= e.value + ARMIJO * alpha * slope
             && (worst >= floor
                 || worst >= *before.get_or_insert_with(|| energy::worst_corner(region, v, old)))

@@ -1,8 +1,8 @@
 //! Untangling: makes all quads of tangled regions strictly convex, where their topology and rim allow it.
 //!
 //! ```text
-//!   bad quads + rings, rim fixed ──▶ minimise E(eps) ──▶ eps smaller ──▶ ... ──▶ all corners positive: taken over
-//!                                        ▲                   │              else: more rings, twice
+//!   bad quads + rings, rim fixed ──▶ minimise E(eps) ──▶ eps smaller ──▶ ... ──▶ all positive: taken over
+//!                                        ▲                   │        else: more rings, twice
 //!                                        └───────────────────┘
 //! ```
 //!

@@ -5,7 +5,7 @@
 //!    │   │   │   │                      nodes: inner ones with four edges, boundary ones with the number of
 //!   ─o───o───o───o─   second row        quads that their angle asks for.
 //!    │   │   │   │
-//!   ─o───o───o───o─   first row         A closed ring serves every node of the front in that way, and its inner
+//!   ─o───o───o───o─   first row         A closed ring serves every node of the front so, and its inner
 //!   ─────────────────── boundary        side is again one simple closed cycle of inner nodes.
 //! ```
 //!
