@@ -77,18 +77,19 @@ impl HalfEdges {
         out
     }
 
-    /// Finds the twins. An edge a-b is handled once, at its first half-edge.
+    /// Finds the twins. An edge a-b is handled once, at its first half-edge; the others have a
+    /// twin by then.
     fn pair(&mut self) {
         let mut same = Vec::with_capacity(8);
         for h in 0..self.tail.len() as u32 {
+            if self.twin[h as usize] != NONE {
+                continue;
+            }
             let (a, b) = (self.tail(h), self.head(h));
             same.clear();
             same.extend(self.out(a).iter().copied().filter(|&g| self.head(g) == b));
             if b != a {
                 same.extend(self.out(b).iter().copied().filter(|&g| self.head(g) == a));
-            }
-            if same.iter().any(|&g| g < h) {
-                continue;
             }
             self.n_edges += 1;
             self.valence[a as usize] += 1;
