@@ -23,8 +23,13 @@ use csalf_geom::Point2;
 use csalf_mesh::{Appraisal, RegionTask};
 use csalf_sizemap::Hint;
 
-/// Most subdivisions of a chord in a coarse trial.
+/// Subdivisions of a chord in a coarse trial, if its sides are straight; curved ones get more.
 const COARSE: u32 = 3;
+/// Most subdivisions of a chord in a coarse trial.
+const COARSE_CURVED: u32 = 12;
+/// A coarse edge bends by at most this (radians): coarser forecasts are far too bad on arcs (a full ring of
+/// three segments is a triangle).
+const COARSE_BEND: f64 = 0.45;
 /// A contour without corners whose concave nodes bend by more than this (degrees) is no disk.
 const MAX_CONCAVE: f64 = 60.0;
 /// Interpretations that fit worse than the best by this much are not matched.
@@ -109,6 +114,7 @@ pub fn plans(task: &RegionTask<'_>, rules: &TfiRules, filler: &mut Filler) -> Ve
     for b in &mut best {
         b.take_if(|i| i.cost > least + COST_GAP);
     }
+    let bends = cumulative_bends(&c.points);
     let mut tried: Vec<Plan> = Vec::new();
     let mut found: Vec<Plan> = Vec::new();
     for extra in [false, true] {
@@ -127,7 +133,7 @@ pub fn plans(task: &RegionTask<'_>, rules: &TfiRules, filler: &mut Filler) -> Ve
             if tried.iter().any(|t| t.good() && t.misfit + GAP < p.misfit) {
                 break;
             }
-            try_coarse(task, &mut p, filler);
+            try_coarse(task, &mut p, &bends, filler);
             tried.push(p);
         }
         if tried.iter().any(Plan::good) {
@@ -308,12 +314,44 @@ fn forecast(task: &RegionTask<'_>, pattern: &Pattern, x: &Chords, start: u32) ->
     sum / weight + 2.0 * bad / (4.0 * cells)
 }
 
+/// Sum of the absolute bends (radians, as chords of the unit circle) of the nodes before each; n + 1 entries.
+fn cumulative_bends(p: &[Point2]) -> Vec<f64> {
+    let n = p.len();
+    let mut out = Vec::with_capacity(n + 1);
+    let mut sum = 0.0;
+    out.push(sum);
+    let mut u = (p[0] - p[n - 1]).normalize_or_zero();
+    for i in 0..n {
+        let v = (p[(i + 1) % n] - p[i]).normalize_or_zero();
+        sum += v.distance(u);
+        out.push(sum);
+        u = v;
+    }
+    out
+}
+
+/// The cumulative sum at index `i`, which may run once around.
+fn at_wrapped(sums: &[f64], i: usize) -> f64 {
+    let n = sums.len() - 1;
+    if i <= n { sums[i] } else { sums[n] + sums[(i - n).min(n)] }
+}
+
 /// Fills a coarse copy and measures it.
-fn try_coarse(task: &RegionTask<'_>, plan: &mut Plan, filler: &mut Filler) {
+fn try_coarse(task: &RegionTask<'_>, plan: &mut Plan, bends: &[f64], filler: &mut Filler) {
     let pattern = plan.pattern;
     let p = &task.contour.points;
     let mut x: Chords = [0; MAX_CHORDS];
     (0..pattern.n_chords).for_each(|c| x[c] = plan.x[c].min(COARSE));
+    let mut from = plan.start as usize;
+    for e in 0..pattern.n_boundary {
+        let c = pattern.chord[e] as usize;
+        let to = from + plan.x[c] as usize;
+        // Bends of the nodes strictly between the ends of the edge; the ends are kept in any case.
+        let bend = at_wrapped(bends, to) - at_wrapped(bends, from + 1);
+        let wanted = (bend / COARSE_BEND).ceil().min(f64::from(COARSE_CURVED)) as u32;
+        x[c] = x[c].max(wanted.min(plan.x[c]));
+        from = to;
+    }
     let mut at = f64::from(plan.start);
     let ring = (0..pattern.n_boundary).flat_map(|e| {
         let c = pattern.chord[e] as usize;

@@ -16,6 +16,9 @@ const KEPT: usize = 4096;
 /// scaled Jacobian of most shapes; more drift towards the Laplace solution, which crowds the 3-valent
 /// vertices.
 const SWEEPS: usize = 4;
+/// How far (0 to 1) a forecast may fall short of the rules: the coarse trial is mostly worse than the
+/// finished mesh.
+const SLACK: f64 = 0.2;
 /// Finished patches that are tried before the contour is refused.
 const MAX_FILLS: usize = 3;
 
@@ -100,7 +103,7 @@ impl RegionMesher for Transfinite {
     /// The forecast of the best plan that the rules accept.
     fn appraise(&self, task: &RegionTask<'_>) -> Option<Appraisal> {
         let n = task.contour.len();
-        self.plans(task).iter().find(|p| p.accepted(&self.rules, n, 0.0)).map(|p| p.appraisal)
+        self.plans(task).iter().find(|p| p.accepted(&self.rules, n, SLACK)).map(|p| p.appraisal)
     }
 
     fn mesh(&self, task: &RegionTask<'_>) -> Result<Patch, Refusal> {
@@ -108,7 +111,7 @@ impl RegionMesher for Transfinite {
         let plans = self.plans(task);
         let mut why = Refusal::NotApplicable;
         // The coarse trial may be a little too hard on a patch: the finished one decides.
-        for plan in plans.iter().filter(|p| p.accepted(&self.rules, n, 0.2)).take(MAX_FILLS) {
+        for plan in plans.iter().filter(|p| p.accepted(&self.rules, n, SLACK)).take(MAX_FILLS) {
             match self.fill(task, plan) {
                 Ok(patch) => return Ok(patch),
                 Err(e) => why = e,

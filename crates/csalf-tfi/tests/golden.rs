@@ -123,6 +123,28 @@ fn frame_does_not_matter() {
     assert!((base.min_sj - other.min_sj).abs() < 1e-6, "{base:?} {other:?}");
 }
 
+/// An annulus cut open by a bridge whose nodes occur twice: one block, closed on itself.
+#[test]
+fn bridged_annulus_is_an_o_grid() {
+    let mut c = Contour::default();
+    let mut push = |r: f64, k: usize, id: usize| {
+        let p = Point2::from_angle(std::f64::consts::TAU * (k % 32) as f64 / 32.0) * r;
+        c.push(p, id as u32, 0.25, Default::default());
+    };
+    (0..=32).for_each(|k| push(2.0, k, k % 32));
+    (1..5).for_each(|k| push(2.0 - 0.2 * k as f64, 0, 100 + k));
+    (0..=32).rev().for_each(|k| push(1.0, k, 200 + k % 32));
+    (1..5).rev().for_each(|k| push(2.0 - 0.2 * k as f64, 0, 100 + k));
+    let tolerance = Tolerance::of_points(c.points.iter().copied());
+    let task = RegionTask { contour: &c, size: &Uniform(0.25), tolerance };
+    let appraisal = Transfinite::default().appraise(&task).unwrap();
+    assert!(appraisal.min_sj > 0.9, "the coarse trial sees the bend: {appraisal:?}");
+    let patch = Transfinite::default().mesh(&task).unwrap();
+    assert_eq!(patch.quads.len(), 32 * 5);
+    let all: Vec<Point2> = c.points.iter().chain(&patch.points).copied().collect();
+    assert!(shape(&all, &patch.quads).min_sj > 0.99);
+}
+
 proptest::proptest! {
     /// Whatever comes in, what comes out is valid (checked in `mesh`), strictly convex and never a panic.
     #[test]

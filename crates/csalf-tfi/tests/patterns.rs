@@ -118,7 +118,8 @@ proptest! {
             p.solve(&sides, closed, usize::MAX, &mut |y| seen |= *y == x);
             prop_assert!(seen, "{} does not find its own solution", p.name);
 
-            let ring = (0..n).map(|i| Point2::from_angle(std::f64::consts::TAU * f64::from(i) / f64::from(n)));
+            let step = std::f64::consts::TAU / f64::from(n);
+            let ring = (0..n).map(|i| Point2::from_angle(step * f64::from(i)));
             let mut f = Filler::default();
             f.fill(p, &x, ring, turn % n, &Uniform(0.1), &x);
             let quads: Vec<[VertexId; 4]> = f.quads.iter().map(|q| q.map(VertexId)).collect();
