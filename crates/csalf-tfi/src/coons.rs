@@ -10,7 +10,7 @@
 //!        bot(i)
 //! ```
 //!
-//! Source: handbook 5.1; Soni 1985 for the blended parameters. Cost: about 10 ns per inner node.
+//! Source: handbook 5.1; Soni 1985 for the blended parameters. Cost: a few multiplications and one division per inner node.
 
 use csalf_geom::Point2;
 

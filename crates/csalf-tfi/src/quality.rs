@@ -12,7 +12,7 @@ pub struct Shape {
     pub mean_sj: f64,
 }
 
-/// Shape of the quads. A corner below 1e-9 is decided by the exact predicate: if it is not strictly convex,
+/// Shape of the quads. A corner below 1e-8 is decided by the exact predicate: if it is not strictly convex,
 /// the result's `min_sj` is at most 0. Cost: 15 ns per quad.
 pub fn shape(points: &[Point2], quads: &[[u32; 4]]) -> Shape {
     let (mut min, mut sum) = (f64::INFINITY, 0.0);
