@@ -64,7 +64,8 @@ impl Failure {
                 input: input.to_owned(),
                 defects: defects.iter().map(ToString::to_string).collect(),
             },
-            other => Self::Unmeshed(format!("{input}: {other}")),
+            MeshError::Internal { .. } => Self::Unmeshed(format!("{input}: {error}")),
+            other => Self::Invalid { input: input.to_owned(), defects: vec![other.to_string()] },
         }
     }
 

@@ -45,3 +45,8 @@ pub fn main() -> ExitCode {
         }
     }
 }
+
+/// The example of the README, kept true.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+struct Readme;

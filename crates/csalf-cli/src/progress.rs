@@ -4,6 +4,8 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 use std::sync::mpsc;
 use std::time::Duration;
+use tracing::Event;
+use tracing::field::{Field, Visit};
 use tracing::span::{Attributes, Id};
 use tracing_subscriber::layer::{Context, Layer};
 
@@ -59,7 +61,7 @@ impl Drop for Progress {
     }
 }
 
-/// Shows the name of each stage that the libraries enter.
+/// Shows each stage that the libraries enter (spans) or report as done (the field `stage` of events).
 #[derive(Debug)]
 pub struct Stages {
     bar: ProgressBar,
@@ -68,5 +70,43 @@ pub struct Stages {
 impl<S: tracing::Subscriber> Layer<S> for Stages {
     fn on_new_span(&self, span: &Attributes<'_>, _: &Id, _: Context<'_, S>) {
         self.bar.set_message(span.metadata().name());
+    }
+
+    fn on_event(&self, event: &Event<'_>, _: Context<'_, S>) {
+        event.record(&mut StageName(&self.bar));
+    }
+}
+
+/// Takes the field `stage` out of an event.
+struct StageName<'a>(&'a ProgressBar);
+
+impl Visit for StageName<'_> {
+    fn record_str(&mut self, field: &Field, value: &str) {
+        if field.name() == "stage" {
+            self.0.set_message(format!("{value} done"));
+        }
+    }
+
+    fn record_debug(&mut self, _: &Field, _: &dyn std::fmt::Debug) {}
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tracing_subscriber::prelude::*;
+
+    #[test]
+    fn stages_are_shown_and_the_line_ends() {
+        let line = Progress::start();
+        let subscriber = tracing_subscriber::registry().with(line.stages());
+        tracing::subscriber::with_default(subscriber, || {
+            let _span = tracing::info_span!("pave").entered();
+            assert_eq!(line.bar.message(), "pave");
+            tracing::info!(stage = "fill", seconds = 1.0, "done");
+            assert_eq!(line.bar.message(), "fill done");
+        });
+        let bar = line.bar.clone();
+        drop(line);
+        assert!(bar.is_finished());
     }
 }

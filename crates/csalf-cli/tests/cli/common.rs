@@ -18,6 +18,7 @@ pub(crate) struct Ran {
     pub(crate) code: i32,
     pub(crate) out: String,
     pub(crate) err: String,
+    pub(crate) bytes: Vec<u8>,
 }
 
 impl Ran {
@@ -26,6 +27,7 @@ impl Ran {
             code: o.status.code().unwrap_or(-1),
             out: String::from_utf8_lossy(&o.stdout).into_owned(),
             err: String::from_utf8_lossy(&o.stderr).into_owned(),
+            bytes: o.stdout,
         }
     }
 

@@ -1,4 +1,5 @@
 //! The program `csalf`, run as a user runs it: exit codes, streams, files.
 
 mod common;
+mod meshing;
 mod usage;

@@ -1,0 +1,131 @@
+//! From outline to files, through the whole program.
+
+use crate::common::{folder, program, run, run_with_input, square};
+use std::fs;
+
+#[test]
+fn an_outline_becomes_a_mesh() {
+    let dir = folder("mesh");
+    fs::write(dir.join("a.json"), square(4)).unwrap();
+    let r = run(&dir, &["mesh", "a.json", "-o", "b.vtu"]);
+    assert_eq!(r.code, 0, "{}", r.err);
+    assert!(r.out.contains("square: 16 quads, 25 vertices"), "{}", r.out);
+    assert!(r.out.contains("wrote b.vtu"), "{}", r.out);
+    let bytes = fs::read(dir.join("b.vtu")).unwrap();
+    assert!(String::from_utf8_lossy(&bytes).contains("UnstructuredGrid"));
+}
+
+#[test]
+fn standard_input_to_standard_output() {
+    let dir = folder("streams");
+    let r = run_with_input(&dir, &["mesh", "-", "-o", "-"], &square(2));
+    assert_eq!(r.code, 0, "{}", r.err);
+    assert!(r.out.starts_with("<?xml") && r.out.trim_end().ends_with("</VTKFile>"), "{}", r.out);
+    assert_eq!(fs::read_dir(&dir).unwrap().count(), 0);
+}
+
+#[test]
+fn json_is_the_last_line_and_complete() {
+    let dir = folder("json");
+    let r = run_with_input(&dir, &["mesh", "-", "-o", "a.vtu", "--json"], &square(3));
+    assert_eq!(r.code, 0, "{}", r.err);
+    assert_eq!(r.out.lines().count(), 1, "{}", r.out);
+    let j = r.json();
+    assert_eq!(j["ok"], true);
+    assert_eq!(
+        (j["n_quads"].as_u64(), j["n_vertices"].as_u64(), j["n_triangles"].as_u64()),
+        (Some(9), Some(16), Some(0))
+    );
+    assert!(j["mesh_s"].as_f64().unwrap() >= 0.0 && j["mesh_cpu_s"].as_f64().unwrap() >= 0.0);
+    assert!((j["quality"]["min_sj"].as_f64().unwrap() - 1.0).abs() < 1e-9, "{j}");
+    for key in ["layers", "members", "warnings", "n_warnings", "stages", "outputs", "name"] {
+        assert!(j.get(key).is_some(), "{key} is missing in {j}");
+    }
+}
+
+#[test]
+fn the_report_is_written() {
+    let dir = folder("report");
+    let r = run_with_input(&dir, &["mesh", "-", "--report", "r.json"], &square(3));
+    assert_eq!(r.code, 0, "{}", r.err);
+    let all: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(dir.join("r.json")).unwrap()).unwrap();
+    assert_eq!(all[0]["n_quads"], 9);
+}
+
+#[test]
+fn an_invalid_domain_is_3_and_every_defect_is_listed() {
+    let dir = folder("invalid");
+    let hole = r#",{"kind":"hole","nodes":[[1,1],[1,2],[9,2],[2,1.5],[2,1]]}]}"#;
+    let text = square(4).replace("]}]}", &format!("]}}{hole}"));
+    let r = run_with_input(&dir, &["mesh", "-", "-o", "a.vtu"], &text);
+    assert_eq!(r.code, 3, "{}", r.err);
+    assert!(r.err.starts_with("error: standard input: "), "{}", r.err);
+    assert!(r.err.lines().count() > 2, "one line per defect: {}", r.err);
+    assert!(r.err.contains("hole0 [1]"), "loop and node: {}", r.err);
+    assert!(r.err.contains("(9, 2)"), "coordinates: {}", r.err);
+    assert!(!dir.join("a.vtu").exists());
+    let j = run_with_input(&dir, &["mesh", "-", "--json"], &text).json();
+    assert!(j["exit_code"] == 3 && j["n_errors"].as_u64() > Some(1), "{j}");
+}
+
+#[test]
+fn a_folder_that_is_not_there_is_5() {
+    let dir = folder("no_folder");
+    let r = run_with_input(&dir, &["mesh", "-", "-o", "none/a.vtu"], &square(2));
+    assert_eq!(r.code, 5, "{}", r.err);
+    assert!(r.err.contains("none/a.vtu") || r.err.contains("none\\a.vtu"), "{}", r.err);
+}
+
+#[test]
+fn quiet_is_silent() {
+    let dir = folder("quiet");
+    let r = run_with_input(&dir, &["mesh", "-", "-o", "a.vtu", "-q"], &square(2));
+    assert_eq!((r.code, r.out.as_str(), r.err.as_str()), (0, "", ""));
+}
+
+#[test]
+fn threads_and_verbosity_do_not_change_a_byte() {
+    let dir = folder("threads");
+    let text = square(12);
+    let mesh = |extra: &[&str]| {
+        let args = [&["mesh", "-", "-o", "-", "--size", "0.7", "--layers", "outer=1"], extra].concat();
+        let r = run_with_input(&dir, &args, &text);
+        assert_eq!(r.code, 0, "{}", r.err);
+        r.bytes
+    };
+    let one = mesh(&["--threads", "1"]);
+    assert!(one.len() > 1000);
+    assert_eq!(one, mesh(&["--threads", "2"]));
+    assert_eq!(one, mesh(&["--threads", "4", "-vvv"]));
+}
+
+#[test]
+fn a_configuration_does_what_its_options_would() {
+    let dir = folder("config");
+    fs::create_dir(dir.join("jobs")).unwrap();
+    fs::write(dir.join("jobs/a.json"), square(6)).unwrap();
+    fs::write(dir.join("jobs/a.toml"), "input = 'a.json'\noutput = ['b.vtu', 'c.vtu']\nmethod = 'tqm'\n")
+        .unwrap();
+    let r = run(&dir, &["mesh", "--config", "jobs/a.toml"]);
+    assert_eq!(r.code, 0, "{}", r.err);
+    let direct = run(&dir, &["mesh", "jobs/a.json", "-o", "d.vtu", "--method", "tqm"]);
+    assert_eq!(direct.code, 0, "{}", direct.err);
+    assert_eq!(fs::read(dir.join("jobs/b.vtu")).unwrap(), fs::read(dir.join("d.vtu")).unwrap());
+    assert!(dir.join("jobs/c.vtu").exists());
+}
+
+#[test]
+fn a_closed_pipe_is_no_error() {
+    let dir = folder("pipe");
+    fs::write(dir.join("a.json"), square(40)).unwrap();
+    let mut child = program(&dir, &["mesh", "a.json", "-o", "-"])
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let o = child.wait_with_output().unwrap();
+    assert_eq!(o.status.code(), Some(0), "{}", String::from_utf8_lossy(&o.stderr));
+    assert!(o.stderr.is_empty());
+}
