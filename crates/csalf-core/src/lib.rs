@@ -5,6 +5,7 @@ pub mod error;
 pub mod job;
 pub mod options;
 mod pipeline;
+mod region;
 pub mod report;
 pub mod triad;
 

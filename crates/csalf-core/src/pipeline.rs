@@ -6,17 +6,20 @@
 //!   Meshed ◀─certify─ smooth ◀──collect── quads of rings and patches ◀────────────┘
 //! ```
 
+use crate::region::{Curves, LayerRules, RegionResult, mesh_region};
 use crate::triad::{Filled, Triad};
 use crate::{Job, MeshError, MeshReport, Meshed, Method, Options};
 use csalf_clean::smooth::SmoothOptions;
 use csalf_geom::arrangement::{Arrangement, CheckOptions};
-use csalf_geom::{Point2, VertexId};
-use csalf_mesh::{NamedSets, NodeFlags, QuadMesh, QuadTopology, RegionMesher};
+use csalf_geom::{Point2, QuadId, VertexId};
+use csalf_mesh::{NamedSets, QuadMesh, QuadTopology, RegionMesher};
+use csalf_pave::PavingRules;
 use csalf_sizemap::{Extras, SizeField};
 use csalf_subdiv::fallback::Fallback;
-use csalf_subdiv::{SplitRules, Subdivision, Walks, bridge};
+use csalf_subdiv::{SplitRules, Subdivision};
 use csalf_tfi::{TfiRules, Transfinite};
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -63,37 +66,31 @@ fn run_here(job: &Job, options: &Options) -> Result<Meshed, MeshError> {
     watch.lap("size");
 
     let members = members(options);
-    let points = arrangement.points.clone();
-    let flags = vec![NodeFlags::GEOMETRY; points.len()];
-    let triad = Triad::new(&members, size.as_ref(), arrangement.tolerance, points.len() as u32);
-    let trees: Vec<Vec<Filled>> = arrangement
+    let triad = Triad::new(&members, size.as_ref(), arrangement.tolerance, arrangement.points.len() as u32);
+    let curves = Curves::new(job, &arrangement);
+    let layer_rules = layer_rules(options);
+    let results: Vec<RegionResult> = arrangement
         .regions
         .par_iter()
-        .map(|region| {
-            let mut walks = vec![region.outer.clone()];
-            walks.extend(region.inner.iter().cloned());
-            fill_region(&triad, &walks, &points, &flags, size.as_ref())
-        })
+        .map(|region| mesh_region(region, &arrangement, &curves, layer_rules, size.as_ref(), &triad))
         .collect::<Result<_, MeshError>>()?;
     report.members = triad.tally();
     watch.lap("fill");
 
-    let trees: Vec<Filled> = trees.into_iter().flatten().collect();
-    let mut mesh = QuadMesh { points, ..QuadMesh::default() };
-    mesh.quads = Filled::collect(&trees, &mut mesh.points, triad.id_bound());
-    drop(trees);
+    let mut sets = sets(job, &arrangement);
+    let mut mesh = QuadMesh { points: arrangement.points.clone(), ..QuadMesh::default() };
+    let mut fixed = vec![true; mesh.points.len()];
+    collect(results, &triad, job, &mut mesh, &mut fixed, &mut sets, &mut report);
     watch.lap("collect");
 
     let topology = QuadTopology::new(mesh.points.len(), &mesh.quads);
     watch.lap("topology");
-    let mut fixed = vec![false; mesh.points.len()];
-    fixed[..arrangement.points.len()].fill(true);
     csalf_clean::smooth::finish(&mut mesh, &topology, &fixed, size.as_ref(), &SmoothOptions::default());
     watch.lap("smooth");
 
     report.timing.stages = watch.stages;
     report.timing.wall_s = watch.start.elapsed().as_secs_f64();
-    Ok(Meshed { sets: sets(job, &arrangement), mesh, report })
+    Ok(Meshed { sets, mesh, report })
 }
 
 fn size_field(
@@ -133,26 +130,52 @@ fn members(options: &Options) -> Vec<Arc<dyn RegionMesher>> {
     out
 }
 
-/// Bridges the walks of one region and fills the contour.
-fn fill_region(
-    triad: &Triad<'_>,
-    walks: &[Vec<u32>],
-    points: &[Point2],
-    flags: &[NodeFlags],
-    size: &dyn SizeField,
-) -> Result<Vec<Filled>, MeshError> {
-    let internal = |stage, detail: String| MeshError::Internal { stage, detail };
-    let mut bridged = bridge(Walks { walks, points, flags }, size, u32::MAX / 2)
-        .map_err(|e| internal("bridge", e.to_string()))?;
-    // The bridge nodes get their true ids now that their number is known.
-    let first = triad.reserve(bridged.new_points.len());
-    for id in &mut bridged.contour.ids {
-        if *id >= u32::MAX / 2 {
-            *id = *id - u32::MAX / 2 + first;
-        }
+/// Which layers a method makes; `None` for none at all.
+fn layer_rules(options: &Options) -> Option<LayerRules> {
+    match options.method {
+        Method::Tqm => None,
+        Method::Paper => Some(LayerRules { rules: PavingRules::Paper, defaults: true }),
+        Method::Csalf => Some(LayerRules { rules: PavingRules::default(), defaults: true }),
     }
-    let filled = triad.fill(&bridged.contour).map_err(|e| internal("triad", e.to_string()))?;
-    Ok(vec![Filled::leaf(first, bridged.new_points, Vec::new()), filled])
+}
+
+/// Numbers all points and quads in tree order; marks the nodes of asked layers as fixed; names the layers.
+fn collect(
+    results: Vec<RegionResult>,
+    triad: &Triad<'_>,
+    job: &Job,
+    mesh: &mut QuadMesh,
+    fixed: &mut Vec<bool>,
+    sets: &mut NamedSets,
+    report: &mut MeshReport,
+) {
+    let curve_name = |k: usize| {
+        let d = &job.domain;
+        let names = d.loops.iter().map(|l| &l.name).chain(d.scars.iter().map(|s| &s.name));
+        names.chain(d.points.iter().map(|p| &p.name)).nth(k).cloned().unwrap_or_default()
+    };
+    let mut trees = Vec::new();
+    let mut frozen = Vec::new();
+    let mut layers: BTreeMap<(u32, u32), Vec<QuadId>> = BTreeMap::new();
+    let mut n_quads = 0;
+    for r in results {
+        for (q, &key) in r.quad_layer.iter().enumerate() {
+            layers.entry(key).or_default().push(QuadId::new(n_quads + q));
+        }
+        n_quads += r.trees.iter().map(Filled::n_quads).sum::<usize>();
+        report.loops.extend(r.loops);
+        frozen.extend(r.frozen);
+        trees.extend(r.trees);
+    }
+    let (quads, number) = Filled::collect(&trees, &mut mesh.points, triad.id_bound());
+    mesh.quads = quads;
+    fixed.resize(mesh.points.len(), false);
+    for v in frozen {
+        fixed[number[v as usize] as usize] = true;
+    }
+    for ((curve, layer), quads) in layers {
+        sets.quads.push((format!("{}_layer{}", curve_name(curve as usize), layer + 1), quads));
+    }
 }
 
 /// Sets named after loops, scars and hard points.

@@ -10,7 +10,7 @@
 //! New points get provisional ids from a shared counter while the recursion runs; [`Filled::collect`] then numbers
 //! them in tree order, so that the mesh does not depend on the number of threads.
 
-use csalf_geom::{Point2, Tolerance};
+use csalf_geom::{Point2, Tolerance, VertexId};
 use csalf_mesh::{Contour, NodeFlags, Patch, RegionMesher, RegionTask};
 use csalf_sizemap::{Hint, SizeField};
 use rayon::prelude::*;
@@ -146,13 +146,19 @@ impl Filled {
         Self { first_id, points, quads, children: Vec::new() }
     }
 
+    /// Number of quads, with all children.
+    pub fn n_quads(&self) -> usize {
+        self.quads.len() + self.children.iter().map(Self::n_quads).sum::<usize>()
+    }
+
     /// Writes the trees of all regions, in order, after `n_fixed` points that are there already: points in tree
-    /// order, quads in tree order in final numbers. `id_bound`: one more than the largest provisional id.
+    /// order, quads in tree order in final numbers. `id_bound`: one more than the largest provisional id. Also
+    /// returns the final number of each provisional id.
     pub fn collect(
         trees: &[Self],
         points: &mut Vec<Point2>,
         id_bound: usize,
-    ) -> Vec<[csalf_geom::VertexId; 4]> {
+    ) -> (Vec<[VertexId; 4]>, Vec<u32>) {
         let n_fixed = points.len();
         let mut number: Vec<u32> = (0..id_bound as u32).collect();
         let mut n_quads = 0;
@@ -175,8 +181,8 @@ impl Filled {
         );
         let mut quads = Vec::with_capacity(n_quads);
         for f in &order {
-            quads.extend(f.quads.iter().map(|q| q.map(|v| csalf_geom::VertexId(number[v as usize]))));
+            quads.extend(f.quads.iter().map(|q| q.map(|v| VertexId(number[v as usize]))));
         }
-        quads
+        (quads, number)
     }
 }

@@ -1,0 +1,219 @@
+//! One connected region: layers around its loops, then bridges, then the triad.
+//!
+//! ```text
+//!   walks ──layers──▶ rings of quads + fronts ──bridge──▶ one contour ──triad──▶ quads
+//! ```
+//!
+//! Works on the nodes of the region alone, in local numbers, so that many small regions cost no more than one large.
+
+use crate::triad::{Filled, Triad};
+use crate::{Job, LoopReport, MeshError};
+use csalf_geom::Point2;
+use csalf_geom::arrangement::{Arrangement, Region};
+use csalf_mesh::NodeFlags;
+use csalf_pave::{LayerSpec, LayerTask, Layers, PavingRules, Walk, WalkKind, pave_layers};
+use csalf_sizemap::SizeField;
+use csalf_subdiv::{Walks, bridge};
+
+/// Which curve an input node belongs to: what a walk is called, and how it is layered.
+#[derive(Debug)]
+pub(crate) struct Curves<'a> {
+    /// Per input node: index into `names`, or `u32::MAX`. Loops win over scars, scars over points.
+    of_node: Vec<u32>,
+    /// Loops, then scars, then points.
+    names: Vec<&'a str>,
+    n_loops: usize,
+    asked: Vec<Option<&'a LayerSpec>>,
+}
+
+impl<'a> Curves<'a> {
+    pub(crate) fn new(job: &'a Job, arrangement: &Arrangement) -> Self {
+        let d = &job.domain;
+        let mut of_node = vec![u32::MAX; arrangement.points.len()];
+        let lists = arrangement.loops.iter().map(Vec::as_slice);
+        let lists = lists.chain(arrangement.scars.iter().map(Vec::as_slice));
+        for (k, list) in lists.chain(arrangement.hard_points.iter().map(std::slice::from_ref)).enumerate() {
+            for &v in list {
+                let slot = &mut of_node[v as usize];
+                *slot = (*slot).min(k as u32);
+            }
+        }
+        let names: Vec<&str> = d
+            .loops
+            .iter()
+            .map(|l| l.name.as_str())
+            .chain(d.scars.iter().map(|s| s.name.as_str()))
+            .chain(d.points.iter().map(|p| p.name.as_str()))
+            .collect();
+        let asked = names
+            .iter()
+            .map(|name| {
+                job.layers.iter().rev().find(|(pattern, _)| matches(pattern, name)).map(|(_, spec)| spec)
+            })
+            .collect();
+        Self { of_node, names, n_loops: d.loops.len(), asked }
+    }
+
+    /// The curve that a walk is named after: the loop it runs along, else the scar, else the point.
+    fn of_walk(&self, walk: &[u32]) -> usize {
+        walk.iter().map(|&v| self.of_node[v as usize]).min().map_or(0, |k| k as usize)
+    }
+}
+
+/// True if `name` is `pattern`, in which each `*` stands for any characters.
+fn matches(pattern: &str, name: &str) -> bool {
+    let mut parts = pattern.split('*');
+    let Some(mut rest) = parts.next().and_then(|head| name.strip_prefix(head)) else { return false };
+    let mut tail = None;
+    for part in parts {
+        if let Some(previous) = tail.replace(part) {
+            match rest.find(previous) {
+                Some(at) => rest = &rest[at + previous.len()..],
+                None => return false,
+            }
+        }
+    }
+    tail.map_or(rest.is_empty(), |last| rest.ends_with(last))
+}
+
+/// How a region is layered.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LayerRules {
+    pub(crate) rules: PavingRules,
+    /// Layers on loops that nobody asked for.
+    pub(crate) defaults: bool,
+}
+
+/// What became of one region.
+#[derive(Debug, Default)]
+pub(crate) struct RegionResult {
+    /// Rings, bridges, patches, in this order.
+    pub(crate) trees: Vec<Filled>,
+    /// Layers per walk.
+    pub(crate) loops: Vec<LoopReport>,
+    /// Per quad of the first tree: curve and layer number.
+    pub(crate) quad_layer: Vec<(u32, u32)>,
+    /// Provisional ids of ring nodes that must not move: those of layers that the user asked for.
+    pub(crate) frozen: Vec<u32>,
+}
+
+/// Meshes one region.
+pub(crate) fn mesh_region(
+    region: &Region,
+    arrangement: &Arrangement,
+    curves: &Curves<'_>,
+    layer_rules: Option<LayerRules>,
+    size: &dyn SizeField,
+    triad: &Triad<'_>,
+) -> Result<RegionResult, MeshError> {
+    let mut out = RegionResult::default();
+    let global_walks: Vec<&[u32]> =
+        std::iter::once(region.outer.as_slice()).chain(region.inner.iter().map(Vec::as_slice)).collect();
+    let mut ids: Vec<u32> = global_walks.iter().flat_map(|w| w.iter().copied()).collect();
+    ids.sort_unstable();
+    ids.dedup();
+    let local = |v: u32| ids.binary_search(&v).map_or(0, |i| i as u32);
+    let mut walks: Vec<Vec<u32>> =
+        global_walks.iter().map(|w| w.iter().map(|&v| local(v)).collect()).collect();
+    let mut points: Vec<Point2> = ids.iter().map(|&v| arrangement.points[v as usize]).collect();
+    let mut flags = vec![NodeFlags::GEOMETRY; points.len()];
+
+    if let Some(rules) = layer_rules {
+        let which: Vec<usize> = global_walks.iter().map(|w| curves.of_walk(w)).collect();
+        let layers = lay(&walks, &which, &points, curves, rules, size, arrangement);
+        let first = triad.reserve(layers.points.len());
+        ids.extend((0..layers.points.len() as u32).map(|k| first + k));
+        for (k, r) in layers.reports.iter().enumerate() {
+            out.loops.push(LoopReport {
+                name: curves.names[which[k]].to_owned(),
+                asked: r.asked,
+                made: r.made,
+                stopped: r.stopped.as_ref().map(ToString::to_string).unwrap_or_default(),
+                thickness_error: r.thickness_error,
+            });
+        }
+        for (q, &(walk, _)) in layers.quads.iter().zip(&layers.quad_layer) {
+            if curves.asked[which[walk as usize]].is_some() {
+                out.frozen.extend(q.iter().map(|&v| ids[v as usize]));
+            }
+        }
+        out.quad_layer = layers.quad_layer.iter().map(|&(w, n)| (which[w as usize] as u32, n)).collect();
+        let quads = layers.quads.iter().map(|q| q.map(|v| ids[v as usize])).collect();
+        flags.resize(points.len() + layers.points.len(), NodeFlags::LAYER);
+        points.extend_from_slice(&layers.points);
+        out.trees.push(Filled::leaf(first, layers.points, quads));
+        walks = layers.fronts;
+    }
+
+    let internal = |stage, detail: String| MeshError::Internal { stage, detail };
+    let input = Walks { walks: &walks, points: &points, flags: &flags };
+    let mut bridged =
+        bridge(input, size, points.len() as u32).map_err(|e| internal("bridge", e.to_string()))?;
+    let first = triad.reserve(bridged.new_points.len());
+    ids.extend((0..bridged.new_points.len() as u32).map(|k| first + k));
+    for id in &mut bridged.contour.ids {
+        *id = ids[*id as usize];
+    }
+    let filled = triad.fill(&bridged.contour).map_err(|e| internal("triad", e.to_string()))?;
+    out.trees.push(Filled::leaf(first, bridged.new_points, Vec::new()));
+    out.trees.push(filled);
+    Ok(out)
+}
+
+/// Algorithm I on the walks of one region.
+fn lay(
+    walks: &[Vec<u32>],
+    which: &[usize],
+    points: &[Point2],
+    curves: &Curves<'_>,
+    rules: LayerRules,
+    size: &dyn SizeField,
+    arrangement: &Arrangement,
+) -> Layers {
+    let walks: Vec<Walk> = walks
+        .iter()
+        .enumerate()
+        .map(|(k, nodes)| Walk {
+            nodes: nodes.clone(),
+            kind: match (k, nodes.len()) {
+                (0, _) => WalkKind::Outer,
+                (_, 1) => WalkKind::Point,
+                _ if which[k] < curves.n_loops => WalkKind::Hole,
+                _ => WalkKind::Scar,
+            },
+            asked: curves.asked[which[k]].cloned(),
+        })
+        .collect();
+    pave_layers(&LayerTask {
+        points,
+        walks: &walks,
+        size,
+        tolerance: arrangement.tolerance,
+        rules: rules.rules,
+        defaults: rules.defaults,
+        partial: rules.rules != PavingRules::Paper,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn patterns_of_names() {
+        for (pattern, name, want) in [
+            ("hole0", "hole0", true),
+            ("hole0", "hole01", false),
+            ("hole*", "hole12", true),
+            ("hole*", "outer", false),
+            ("*", "anything", true),
+            ("h*e*3", "hole13", true),
+            ("h*e*3", "hole31", false),
+            ("", "", true),
+            ("*a*a", "aa", true),
+            ("*a*a", "a", false),
+        ] {
+            assert_eq!(matches(pattern, name), want, "{pattern} on {name}");
+        }
+    }
+}
