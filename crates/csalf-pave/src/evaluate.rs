@@ -196,7 +196,8 @@ pub(crate) fn against(
     const CHUNK: usize = 8;
     let m = c.next.nodes.len();
     let next = |k: usize| if k + 1 >= m { 0 } else { k + 1 };
-    let mut near: Vec<Segment> = Vec::new();
+    // Segments near a chunk, each with its box.
+    let mut near: Vec<(Point2, Point2, Segment)> = Vec::new();
     let stands = |s: &Segment| {
         if s.owner == others.own { true } else { s.proposed == others.committed[s.owner as usize] }
     };
@@ -215,7 +216,7 @@ pub(crate) fn against(
         near.clear();
         others.index.query(lo - reach, hi + reach, |s| {
             if stands(s) {
-                near.push(*s);
+                near.push((s.a.min(s.b), s.a.max(s.b), *s));
             }
         });
         for k in from..to {
@@ -224,13 +225,15 @@ pub(crate) fn against(
             }
             let (a, b) = (c.next.points[k], c.next.points[next(k)]);
             let length = a.distance(b);
-            for s in &near {
-                // What lies between two fronts has lengths between theirs.
-                let reach = others.gap * 0.5 * (length + length.min(s.a.distance(s.b)));
-                let (lo, hi) = (a.min(b) - reach, a.max(b) + reach);
-                if s.a.min(s.b).cmpgt(hi).any() || s.a.max(s.b).cmplt(lo).any() {
+            let (lo, hi) = (a.min(b), a.max(b));
+            let far = others.gap * length;
+            for (s_lo, s_hi, s) in &near {
+                let far = if s.owner == others.own && !s.proposed { 0.0 } else { far };
+                if s_lo.x > hi.x + far || s_lo.y > hi.y + far || s_hi.x < lo.x - far || s_hi.y < lo.y - far {
                     continue;
                 }
+                // What lies between two fronts has lengths between theirs.
+                let reach = others.gap * 0.5 * (length + length.min(s.a.distance(s.b)));
                 if s.owner == others.own {
                     own_pair(c, old, k, a, b, s, reach, &mut crossing, &mut gap);
                 } else if meeting(a, b, s.a, s.b) != Meeting::Apart {
@@ -241,7 +244,7 @@ pub(crate) fn against(
             }
         }
     }
-    swallowed(c, others, &stands, &corners, &mut crossing);
+    swallowed(c, old, others, &stands, &corners, &mut crossing);
     for (stop, at) in [(Stop::Crossing, crossing), (Stop::Gap, gap)] {
         if !at.is_empty() {
             return Err(Failure { stop, at });
@@ -296,6 +299,7 @@ fn own_pair(
 /// Fronts that lie wholly in the new quads: one end in or on a quad.
 fn swallowed(
     c: &Candidate,
+    old: &LoopState,
     others: &Others<'_>,
     stands: &impl Fn(&Segment) -> bool,
     corners: &impl Fn(usize) -> [Point2; 4],
@@ -303,6 +307,20 @@ fn swallowed(
 ) {
     const CHUNK: usize = 8;
     let mut near: Vec<Point2> = Vec::new();
+    if c.quads.len() <= 16 * CHUNK {
+        // A short ring usually has nobody near at all.
+        let all = old.points.iter().chain(&c.points);
+        let (mut lo, mut hi) = (Point2::INFINITY, Point2::NEG_INFINITY);
+        for p in all {
+            lo = lo.min(*p);
+            hi = hi.max(*p);
+        }
+        let mut alone = true;
+        others.index.query(lo, hi, |s| alone &= s.owner == others.own || !stands(s));
+        if alone {
+            return;
+        }
+    }
     let mut quads: Vec<[Point2; 4]> = Vec::with_capacity(CHUNK);
     for from in (0..c.quads.len()).step_by(CHUNK) {
         quads.clear();

@@ -245,7 +245,7 @@ fn motion_scale_and_start_do_not_matter() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(150))]
+    #![proptest_config(ProptestConfig::with_cases(600))]
 
     /// Whatever is asked around whatever holes: the guarantees hold.
     #[test]
