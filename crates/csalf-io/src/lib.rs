@@ -4,14 +4,32 @@
 //! | module | read | written |
 //! |---|---|---|
 //! | [`json`] | jobs (the program's own format) | jobs |
-//! | [`vtu`] | | meshes |
+//! | [`geojson`], [`topojson`], [`poly`] | jobs | |
+//! | [`msh`] | meshes, and jobs from line elements | meshes (4.1 and 2.2) |
+//! | [`vtu`], [`inp`], [`bdf`], [`obj`] | meshes | meshes |
+//! | [`picture`] | | SVG and PNG pictures |
+//!
+//! [`read_job`], [`read_mesh`] and [`write_mesh`] choose by the name of a file or by a given format. No reader
+//! panics, whatever it is given; errors say where in the file.
 
+pub mod bdf;
+mod builder;
 pub mod error;
 pub mod format;
+pub mod geojson;
+mod graph;
+pub mod inp;
 pub mod input;
 pub mod json;
 pub mod mesh_data;
 pub mod mesh_io;
+pub mod msh;
+pub mod obj;
+pub mod picture;
+pub mod poly;
+mod rings;
+mod text;
+pub mod topojson;
 pub mod vtu;
 
 pub use error::{IoError, Place};
@@ -19,4 +37,4 @@ pub use format::{JobFormat, MeshFormat};
 pub use input::{Input, JobInput, read_job, read_job_bytes};
 pub use json::{JobDocument, JobOptions};
 pub use mesh_data::{CellData, MeshData, MeshView};
-pub use mesh_io::write_mesh;
+pub use mesh_io::{read_mesh, read_mesh_bytes, write_mesh};

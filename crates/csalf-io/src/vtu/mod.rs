@@ -1,7 +1,9 @@
 //! VTK XML unstructured grids (`.vtu`), as ParaView, VTK and meshio read them.
 
+mod read;
 mod write;
 
+pub use read::read;
 pub use write::{VtuEncoding, write, write_as};
 
 /// Name of the format in errors.

@@ -1,0 +1,51 @@
+use super::*;
+use crate::MeshView;
+use csalf_geom::{Point2, QuadId, VertexId};
+use csalf_mesh::{NamedSets, QuadMesh};
+
+fn two_quads() -> (QuadMesh, NamedSets) {
+    let p = |x: f64, y: f64| Point2::new(x, y);
+    let points = vec![p(0., 0.), p(1., 0.), p(2., 0.), p(0., 1.), p(1., 1.), p(1.2, 0.3)];
+    let quads = vec![[0, 1, 4, 3].map(VertexId), [1, 2, 4, 5].map(VertexId)];
+    let sets = NamedSets { quads: vec![("layer0".into(), vec![QuadId(0)])], ..NamedSets::default() };
+    (QuadMesh { points, quads, triangles: vec![] }, sets)
+}
+
+#[test]
+fn good_quads_are_green_or_blue_and_bad_ones_red() {
+    let (mesh, sets) = two_quads();
+    let draw = |sets: &NamedSets| {
+        let mut text = Vec::new();
+        write_svg(&MeshView { mesh: &mesh, sets, cell_data: &[], title: "a <b>" }, &mut text).unwrap();
+        String::from_utf8(text).unwrap()
+    };
+    let (plain, layered) = (draw(&NamedSets::default()), draw(&sets));
+    assert!(plain.contains("<title>a &lt;b></title>"));
+    // The second quad is concave.
+    assert_eq!(plain.matches("<path fill=\"#dc1414\"").count(), 1);
+    assert_ne!(plain, layered);
+    assert_eq!(plain.lines().filter(|l| l.starts_with("<path fill=\"#")).count(), 2);
+}
+
+#[test]
+fn a_png_has_its_signature_and_size() {
+    let (mesh, sets) = two_quads();
+    let mut bytes = Vec::new();
+    write_png(&MeshView { mesh: &mesh, sets: &sets, cell_data: &[], title: "" }, &mut bytes).unwrap();
+    assert_eq!(&bytes[..8], b"\x89PNG\r\n\x1a\n");
+    let width = u32::from_be_bytes([bytes[16], bytes[17], bytes[18], bytes[19]]);
+    assert_eq!(width, 1104);
+}
+
+#[test]
+fn broken_meshes_are_refused() {
+    let (mut mesh, sets) = two_quads();
+    mesh.points[0].x = f64::NAN;
+    let view = MeshView { mesh: &mesh, sets: &sets, cell_data: &[], title: "" };
+    assert!(write_svg(&view, &mut Vec::new()).is_err());
+    mesh.points.truncate(2);
+    let view = MeshView { mesh: &mesh, sets: &sets, cell_data: &[], title: "" };
+    assert!(write_png(&view, &mut Vec::new()).is_err());
+    let empty = MeshView { mesh: &QuadMesh::default(), sets: &sets, cell_data: &[], title: "" };
+    assert!(write_png(&empty, &mut Vec::new()).is_ok());
+}

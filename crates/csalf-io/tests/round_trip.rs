@@ -1,0 +1,131 @@
+//! Every mesh format: what is written is read back, and broken files are errors, never panics.
+
+use csalf_geom::{Point2, QuadId, VertexId};
+use csalf_io::{CellData, MeshData, MeshFormat, read_mesh_bytes, write_mesh};
+use csalf_mesh::{NamedSets, QuadMesh};
+use proptest::prelude::*;
+
+const READ: [MeshFormat; 6] = [
+    MeshFormat::Vtu,
+    MeshFormat::Msh41,
+    MeshFormat::Msh22,
+    MeshFormat::Inp,
+    MeshFormat::Bdf,
+    MeshFormat::Obj,
+];
+
+/// A grid of quads and one triangle at a corner, with coordinates of many digits and sets of every kind.
+fn sample(nx: usize, ny: usize) -> MeshData {
+    let v = |i: usize, j: usize| VertexId::new(j * (nx + 1) + i);
+    let mut mesh = QuadMesh::default();
+    for j in 0..=ny {
+        for i in 0..=nx {
+            mesh.points.push(Point2::new(i as f64 / 3.0 - 1e-7 * j as f64, j as f64 / 7.0 + 0.1 * i as f64));
+        }
+    }
+    for j in 0..ny {
+        for i in 0..nx {
+            mesh.quads.push([v(i, j), v(i + 1, j), v(i + 1, j + 1), v(i, j + 1)]);
+        }
+    }
+    mesh.points.push(Point2::new(-0.3, 1e-3));
+    mesh.triangles.push([v(0, 0), v(0, 1), VertexId::new(mesh.points.len() - 1)]);
+    let sets = NamedSets {
+        nodes: vec![("spot".into(), vec![v(1, 1)])],
+        edges: vec![("outer".into(), (0..nx).map(|i| [v(i, 0), v(i + 1, 0)]).collect())],
+        quads: vec![("layer0".into(), (0..nx).map(QuadId::new).collect()), ("q".into(), vec![QuadId(1)])],
+    };
+    let values = (0..mesh.quads.len() + 1).map(|i| i as f64 / 9.0).collect();
+    MeshData { mesh, sets, cell_data: vec![CellData { name: "size".into(), values }], notes: vec![] }
+}
+
+fn written(format: MeshFormat, data: &MeshData) -> Vec<u8> {
+    let mut out = Vec::new();
+    write_mesh(format, &data.view("sample"), &mut out).unwrap();
+    out
+}
+
+#[test]
+fn meshes_come_back() {
+    let data = sample(3, 2);
+    for format in READ {
+        let back = read_mesh_bytes(format, &written(format, &data)).unwrap();
+        assert_eq!(back.notes, Vec::<String>::new(), "{format:?}");
+        assert_eq!(back.mesh.quads, data.mesh.quads, "{format:?}");
+        assert_eq!(back.mesh.triangles, data.mesh.triangles, "{format:?}");
+        for (a, b) in back.mesh.points.iter().zip(&data.mesh.points) {
+            if format == MeshFormat::Bdf {
+                assert!(a.distance(*b) <= 1e-11 * b.length(), "{a} {b}");
+            } else {
+                assert_eq!(a.to_array().map(f64::to_bits), b.to_array().map(f64::to_bits), "{format:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn sets_come_back_as_far_as_the_format_has_them() {
+    let data = sample(3, 2);
+    let read = |f| read_mesh_bytes(f, &written(f, &data)).unwrap();
+    assert_eq!(read(MeshFormat::Vtu), data);
+    assert_eq!(read(MeshFormat::Msh41).sets, data.sets);
+    // Gmsh 2.2 keeps one group per element: quad 1 is in the first of its two sets only.
+    let msh22 = read(MeshFormat::Msh22).sets;
+    assert_eq!((&msh22.nodes, &msh22.edges), (&data.sets.nodes, &data.sets.edges));
+    assert_eq!(msh22.quads, data.sets.quads[..1]);
+    let outer: Vec<VertexId> = (0..4).map(VertexId).collect();
+    for f in [MeshFormat::Inp, MeshFormat::Bdf] {
+        let sets = read(f).sets;
+        assert_eq!(sets.nodes, [data.sets.nodes[0].clone(), ("outer".into(), outer.clone())]);
+        assert_eq!(sets.quads, data.sets.quads);
+    }
+    let obj = read(MeshFormat::Obj).sets;
+    assert_eq!((obj.edges, obj.quads), (data.sets.edges, data.sets.quads));
+}
+
+#[test]
+fn an_empty_mesh_is_written_and_read() {
+    let data = MeshData::default();
+    for format in READ {
+        let back = read_mesh_bytes(format, &written(format, &data)).unwrap();
+        assert_eq!(back.mesh, data.mesh, "{format:?}");
+    }
+}
+
+#[test]
+fn solid_meshes_are_refused_in_words() {
+    let e = read_mesh_bytes(MeshFormat::Obj, b"v 0 0 0\nv 1 0 0\nv 0 1 1\nf 1 2 3\n").unwrap_err();
+    assert!(e.to_string().contains("not planar"), "{e}");
+    let e = read_mesh_bytes(MeshFormat::Obj, b"v 0 0 0\nv 1 0 0\nf 1 2 3\n").unwrap_err();
+    assert!(e.to_string().contains("line 3") && e.to_string().contains("node 3"), "{e}");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(300))]
+
+    /// Cut off, with bytes changed or taken out: a value or an error, never a panic.
+    #[test]
+    fn broken_files_do_not_panic(
+        which in 0usize..6,
+        cut in 0.0f64..1.0,
+        changes in prop::collection::vec((0.0f64..1.0, any::<u8>()), 0..6),
+        remove in 0usize..4,
+    ) {
+        let mut bytes = written(READ[which], &sample(2, 2));
+        for (at, byte) in changes {
+            let k = (at * bytes.len() as f64) as usize;
+            bytes[k] = byte;
+        }
+        let k = (cut * bytes.len() as f64) as usize;
+        if remove == 0 { bytes.truncate(k) } else { bytes.drain(k..(k + remove).min(bytes.len())); }
+        let _ = read_mesh_bytes(READ[which], &bytes);
+    }
+
+    /// Any bytes at all.
+    #[test]
+    fn noise_does_not_panic(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
+        for format in READ {
+            let _ = read_mesh_bytes(format, &bytes);
+        }
+    }
+}
