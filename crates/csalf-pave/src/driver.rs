@@ -284,8 +284,8 @@ enum Stage {
     Whole,
     /// Thickness capped by the room there is.
     Capped,
-    /// Without the stretches that failed so far; how often already.
-    Part(u8),
+    /// Without the stretches that failed so far; how often already, and whether capped as well.
+    Part(u8, bool),
 }
 
 /// One path of a cycle that still looks for a ring.
@@ -310,6 +310,11 @@ impl Stage {
             return None;
         }
         banned.resize(n, false);
+        let capped = self == Self::Capped && !f.at.is_empty();
+        if capped {
+            // Most of what failed at first does not with caps.
+            banned.fill(false);
+        }
         for &i in &f.at {
             let i = i as usize;
             for k in [i + n - 2, i + n - 1, i, i + 1] {
@@ -318,13 +323,13 @@ impl Stage {
         }
         let next = match self {
             Self::Whole if !p.user => return Some(Self::Capped),
-            Self::Whole | Self::Capped => Self::Part(1),
-            Self::Part(_) if f.stop == Stop::LittleLeft => return None,
-            Self::Part(k) => Self::Part(k + 1),
+            Self::Whole | Self::Capped => Self::Part(1, capped),
+            Self::Part(..) if f.stop == Stop::LittleLeft => return None,
+            Self::Part(k, capped) => Self::Part(k + 1, capped),
         };
         // A second layer that nobody asked for is not worth a ragged end.
         let worth = p.user || p.done == 0;
-        let known = banned.contains(&true) && next != Self::Part(Self::PARTS + 1);
+        let known = banned.contains(&true) && !matches!(next, Self::Part(k, _) if k > Self::PARTS);
         (partial && n >= 12 && worth && known).then_some(next)
     }
 }
@@ -358,7 +363,7 @@ fn propose(
         }
     }
     let caps = match (attempt.stage, index) {
-        (Stage::Capped, Some(index)) => Some(room(p, paths, index)),
+        (Stage::Capped | Stage::Part(_, true), Some(index)) => Some(room(p, paths, index)),
         _ => None,
     };
     let order = Order {
@@ -367,7 +372,7 @@ fn propose(
         rules: task.rules,
         field: task.size,
         caps: caps.as_deref(),
-        banned: matches!(attempt.stage, Stage::Part(_)).then_some(&attempt.banned),
+        banned: matches!(attempt.stage, Stage::Part(..)).then_some(&attempt.banned),
     };
     build(&p.state, &order, all)
 }
@@ -422,7 +427,7 @@ fn room(p: &Path<'_>, paths: &[Path<'_>], index: &Index) -> Vec<f64> {
             index.query(q - reach, q + reach, |f| {
                 if f.owner != p.index {
                     let other = &paths[f.owner as usize];
-                    let keep = 1.05 * corridor(p) * 0.5 * (s + s.min(f.a.distance(f.b)));
+                    let keep = 1.15 * corridor(p) * 0.5 * (s + s.min(f.a.distance(f.b)));
                     let share = if other.active && other.done <= p.done { 0.5 } else { 1.0 };
                     cap = cap.min(share * (distance(q, f.a, f.b) - keep));
                 }

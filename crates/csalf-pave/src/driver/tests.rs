@@ -275,3 +275,28 @@ proptest! {
         s.pave(TAU / n_outer as f64);
     }
 }
+
+/// The paper's own placement gives valid rings too: harmonic thickness (eq. 2) and √2 diagonals (Table I).
+#[test]
+fn the_papers_rules_pave_as_well() {
+    let mut s = Shape::default();
+    s.add(WalkKind::Outer, &square(20.0, 1.0));
+    s.add(WalkKind::Hole, &{
+        let mut hole = polygon_of(&[(7., 7.), (13., 7.), (13., 13.), (7., 13.)], 1.0);
+        hole.reverse();
+        hole
+    });
+    let out = pave_layers(&LayerTask {
+        points: &s.points,
+        walks: &s.walks,
+        size: &Uniform(1.0),
+        tolerance: Tolerance::of_points(s.points.iter().copied()),
+        rules: PavingRules::Paper,
+        defaults: true,
+        partial: false,
+    });
+    s.check(&out);
+    assert_eq!((out.reports[0].made, out.reports[1].made), (1, 2), "{:?}", out.reports);
+    // 24 fronts with four right reversals: 28 quads, then 32 fronts: 36.
+    assert_eq!(out.quads.len(), 76 + 28 + 36);
+}
