@@ -1,6 +1,6 @@
 //! What a job reader gives back: jobs that can be meshed as they are, or raw curves that must first be given nodes.
 
-use crate::{IoError, JobFormat, JobOptions, geojson, json, msh, poly, topojson};
+use crate::{IoError, JobFormat, JobOptions, dxf, geojson, json, msh, poly, svg, topojson};
 use csalf_core::Job;
 use csalf_geom::Geometry;
 use std::path::Path;
@@ -53,7 +53,8 @@ pub fn read_job_bytes(format: JobFormat, bytes: &[u8]) -> Result<JobInput, IoErr
         JobFormat::TopoJson => topojson::read(bytes),
         JobFormat::Poly => poly::read(bytes),
         JobFormat::Msh => msh::read_job(bytes),
-        _ => Err(IoError::unsupported(format.name(), crate::Place::Whole, "not built yet")),
+        JobFormat::Dxf => dxf::read(bytes),
+        JobFormat::Svg => svg::read(bytes),
     }
 }
 

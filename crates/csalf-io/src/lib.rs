@@ -5,6 +5,7 @@
 //! |---|---|---|
 //! | [`json`] | jobs (the program's own format) | jobs |
 //! | [`geojson`], [`topojson`], [`poly`] | jobs | |
+//! | [`dxf`], [`svg`] | outlines of curves | |
 //! | [`msh`] | meshes, and jobs from line elements | meshes (4.1 and 2.2) |
 //! | [`vtu`], [`inp`], [`bdf`], [`obj`] | meshes | meshes |
 //! | [`picture`] | | SVG and PNG pictures |
@@ -14,6 +15,8 @@
 
 pub mod bdf;
 mod builder;
+mod curves;
+pub mod dxf;
 pub mod error;
 pub mod format;
 pub mod geojson;
@@ -28,13 +31,14 @@ pub mod obj;
 pub mod picture;
 pub mod poly;
 mod rings;
+pub mod svg;
 mod text;
 pub mod topojson;
 pub mod vtu;
 
 pub use error::{IoError, Place};
 pub use format::{JobFormat, MeshFormat};
-pub use input::{Input, JobInput, read_job, read_job_bytes};
+pub use input::{Input, JobInput, NamedGeometry, read_job, read_job_bytes};
 pub use json::{JobDocument, JobOptions};
 pub use mesh_data::{CellData, MeshData, MeshView};
 pub use mesh_io::{read_mesh, read_mesh_bytes, write_mesh};

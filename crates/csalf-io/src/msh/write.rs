@@ -176,7 +176,7 @@ pub fn write_41(out: &MeshView<'_>, w: &mut dyn Write) -> Result<(), IoError> {
     write_cell_data(out, n_elements, w)
 }
 
-/// Writes version 2.2.
+/// Writes version 2.2, without values per element (meshio cannot read those beside points and lines).
 ///
 /// # Errors
 /// As [`write_41`].
@@ -198,7 +198,7 @@ pub fn write_22(out: &MeshView<'_>, w: &mut dyn Write) -> Result<(), IoError> {
         }
     }
     writeln!(w, "$EndElements")?;
-    write_cell_data(out, n_elements, w)
+    Ok(())
 }
 
 fn write_corners(corners: &[VertexId], w: &mut dyn Write) -> Result<(), IoError> {
