@@ -5,7 +5,9 @@ mod ci;
 mod completions;
 mod generated;
 mod man;
+mod reduce;
 mod schema;
+mod stress;
 mod tidy;
 
 use clap::{Parser, Subcommand};
@@ -42,6 +44,10 @@ enum Task {
         #[arg(long)]
         check: bool,
     },
+    /// Mesh many random domains and judge every mesh
+    Stress(stress::StressArgs),
+    /// Shrink a failing job (a file, or a seed of `stress`) and print it as a test
+    Reduce(reduce::ReduceArgs),
 }
 
 fn main() -> ExitCode {
@@ -51,6 +57,8 @@ fn main() -> ExitCode {
         Task::Man { check } => man::run(&root(), check),
         Task::Completions => completions::run(&root()),
         Task::Schema { check } => schema::run(&root(), check),
+        Task::Stress(args) => stress::run(&root(), &args),
+        Task::Reduce(args) => reduce::run(&root(), &args),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
