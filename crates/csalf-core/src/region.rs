@@ -13,6 +13,7 @@ use csalf_geom::arrangement::{Arrangement, Region};
 use csalf_mesh::NodeFlags;
 use csalf_pave::{LayerSpec, LayerTask, Layers, PavingRules, Walk, WalkKind, pave_layers};
 use csalf_sizemap::SizeField;
+use csalf_subdiv::fallback::{ear, without};
 use csalf_subdiv::{Walks, bridge};
 
 /// Which curve an input node belongs to: what a walk is called, and how it is layered.
@@ -95,6 +96,8 @@ pub(crate) struct RegionResult {
     pub(crate) quad_layer: Vec<(u32, u32)>,
     /// Provisional ids of ring nodes that must not move: those of layers that the user asked for.
     pub(crate) frozen: Vec<u32>,
+    /// The triangle of an odd region, in provisional ids.
+    pub(crate) triangles: Vec<[u32; 3]>,
 }
 
 /// Meshes one region.
@@ -154,8 +157,19 @@ pub(crate) fn mesh_region(
     for id in &mut bridged.contour.ids {
         *id = ids[*id as usize];
     }
-    let filled = triad.fill(&bridged.contour).map_err(|e| internal("triad", e.to_string()))?;
+    if bridged.contour.len() % 2 == 1 {
+        // Only where the caller allows triangles: the check of the input stops odd regions otherwise.
+        let c = &bridged.contour;
+        let n = c.len();
+        let tip = ear(c).map_err(|e| internal("triangle", e.to_string()))?;
+        out.triangles.push([c.ids[(tip + n - 1) % n], c.ids[tip], c.ids[(tip + 1) % n]]);
+        bridged.contour = without(c, tip);
+    }
     out.trees.push(Filled::leaf(first, bridged.new_points, Vec::new()));
+    if bridged.contour.len() < 4 {
+        return Ok(out);
+    }
+    let filled = triad.fill(&bridged.contour).map_err(|e| internal("triad", e.to_string()))?;
     out.trees.push(filled);
     Ok(out)
 }

@@ -40,7 +40,7 @@ mod ring;
 #[cfg(test)]
 mod tests;
 
-pub use odd::{OddPatch, fill_odd};
+pub use odd::{OddPatch, ear, fill_odd, without};
 
 use crate::closure::{ClosureResult, close};
 use csalf_geom::predicates::{Meeting, meeting, on_segment};

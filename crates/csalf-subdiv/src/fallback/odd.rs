@@ -25,11 +25,12 @@ pub struct OddPatch {
     pub patch: Patch,
 }
 
-/// Fills a contour of an odd number of nodes (at least 3) with one triangle and strictly convex quads.
+/// The best place for the one triangle of an odd contour: the occurrence whose triangle with its two neighbours lies
+/// inside and is closest to equilateral. Without that occurrence the contour is even.
 ///
 /// # Errors
 /// A [`FallbackError`] as of [`super::fill`], and [`FallbackError::Even`] for an even number of nodes.
-pub fn fill_odd(contour: &Contour, tolerance: Tolerance) -> Result<OddPatch, FallbackError> {
+pub fn ear(contour: &Contour) -> Result<usize, FallbackError> {
     let n = contour.len();
     check_points(contour, 3)?;
     if n.is_multiple_of(2) {
@@ -52,17 +53,31 @@ pub fn fill_odd(contour: &Contour, tolerance: Tolerance) -> Result<OddPatch, Fal
             best = Some((shape(t), t[k] as usize));
         }
     }
-    let (_, tip) = best.ok_or(FallbackError::NotSimple { at: 0 })?;
+    best.map(|b| b.1).ok_or(FallbackError::NotSimple { at: 0 })
+}
+
+/// A contour without its occurrence `tip`.
+pub fn without(contour: &Contour, tip: usize) -> Contour {
+    let mut rest = Contour::default();
+    for i in (0..contour.len()).filter(|&i| i != tip) {
+        rest.push(contour.points[i], contour.ids[i], at(&contour.sizes, i), at(&contour.flags, i));
+    }
+    rest
+}
+
+/// Fills a contour of an odd number of nodes (at least 3) with one triangle and strictly convex quads.
+///
+/// # Errors
+/// As of [`ear`].
+pub fn fill_odd(contour: &Contour, tolerance: Tolerance) -> Result<OddPatch, FallbackError> {
+    let n = contour.len();
+    let tip = ear(contour)?;
     let name = |i: usize| (i % n) as u32;
     let triangle = [name(tip + n - 1), name(tip), name(tip + 1)];
     if n == 3 {
         return Ok(OddPatch { triangle, patch: Patch::default() });
     }
-    let mut rest = Contour::default();
-    for i in (0..n).filter(|&i| i != tip) {
-        rest.push(contour.points[i], contour.ids[i], at(&contour.sizes, i), at(&contour.flags, i));
-    }
-    let mut patch = super::fill(&rest, tolerance)?;
+    let mut patch = super::fill(&without(contour, tip), tolerance)?;
     // Occurrences after the tip are one further in the whole contour, and so are all new points.
     let whole = |v: u32| v + u32::from(v as usize >= tip);
     for q in &mut patch.quads {
