@@ -6,10 +6,10 @@
 //!   Meshed ◀─certify─ smooth ◀──collect── quads of rings and patches ◀────────────┘
 //! ```
 
+use crate::cleaning::clean;
 use crate::region::{Curves, LayerRules, RegionResult, mesh_region};
 use crate::triad::{Filled, Triad};
 use crate::{Job, MeshError, MeshReport, Meshed, Method, Options};
-use csalf_clean::smooth::SmoothOptions;
 use csalf_geom::arrangement::{Arrangement, CheckOptions};
 use csalf_geom::{Point2, QuadId, VertexId};
 use csalf_mesh::validate;
@@ -81,13 +81,11 @@ fn run_here(job: &Job, options: &Options) -> Result<Meshed, MeshError> {
     let mut sets = sets(job, &arrangement);
     let mut mesh = QuadMesh { points: arrangement.points.clone(), ..QuadMesh::default() };
     let mut fixed = vec![true; mesh.points.len()];
-    collect(results, &triad, job, &mut mesh, &mut fixed, &mut sets, &mut report);
+    let protected = collect(results, &triad, job, &mut mesh, &mut fixed, &mut sets, &mut report);
     watch.lap("collect");
 
-    let topology = QuadTopology::new(mesh.points.len(), &mesh.quads);
-    watch.lap("topology");
-    csalf_clean::smooth::finish(&mut mesh, &topology, &fixed, size.as_ref(), &SmoothOptions::default());
-    watch.lap("smooth");
+    let topology = clean(&mut mesh, fixed, protected, &mut sets, &arrangement, size.as_ref(), options);
+    watch.lap("clean");
     certify(&mesh, &topology, &arrangement)?;
     watch.lap("certify");
 
@@ -183,6 +181,7 @@ fn layer_rules(options: &Options) -> Option<LayerRules> {
 }
 
 /// Numbers all points and quads in tree order; marks the nodes of asked layers as fixed; names the layers.
+/// Returns per quad whether it is one of a layer.
 fn collect(
     results: Vec<RegionResult>,
     triad: &Triad<'_>,
@@ -191,7 +190,7 @@ fn collect(
     fixed: &mut Vec<bool>,
     sets: &mut NamedSets,
     report: &mut MeshReport,
-) {
+) -> Vec<bool> {
     let curve_name = |k: usize| {
         let d = &job.domain;
         let names = d.loops.iter().map(|l| &l.name).chain(d.scars.iter().map(|s| &s.name));
@@ -219,9 +218,14 @@ fn collect(
     for v in frozen {
         fixed[number[v as usize] as usize] = true;
     }
+    let mut protected = vec![false; mesh.quads.len()];
+    for q in layers.values().flatten() {
+        protected[q.index()] = true;
+    }
     for ((curve, layer), quads) in layers {
         sets.quads.push((format!("{}_layer{}", curve_name(curve as usize), layer + 1), quads));
     }
+    protected
 }
 
 /// Sets named after loops, scars and hard points.

@@ -33,7 +33,8 @@ impl NodeFlags {
 }
 
 /// One closed contour, material on the left, as node **occurrences**: a node may occur more than once (the two
-/// sides of a bridge or scar). All slices have one entry per occurrence, the same length n >= 3.
+/// sides of a bridge or scar). All slices have one entry per occurrence, the same length n >= 3
+/// (`wanted` may be empty).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Contour {
     /// Where each occurrence lies.
@@ -44,6 +45,10 @@ pub struct Contour {
     pub sizes: Vec<f64>,
     /// What is known of each node.
     pub flags: Vec<NodeFlags>,
+    /// Number of quads wanted at each occurrence, where that is known from the mesh around: 1 at a logical
+    /// corner, 2 on a side. Empty: the mesher decides by angles. If given, the nodes will be moved when the
+    /// contour is filled: its angles do not count, and the quads of the patch need not be convex.
+    pub wanted: Vec<u8>,
 }
 
 impl Contour {
@@ -54,6 +59,7 @@ impl Contour {
             ids: (0..points.len() as u32).collect(),
             sizes: vec![h; points.len()],
             flags: vec![NodeFlags::GEOMETRY; points.len()],
+            wanted: Vec::new(),
         }
     }
 

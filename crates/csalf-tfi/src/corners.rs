@@ -52,6 +52,23 @@ pub struct Interpretation {
 }
 
 impl Interpretation {
+    /// The interpretation that takes the occurrences with one wanted quad as corners; `None` if another has
+    /// not two, or the corners are too many.
+    pub fn given(wanted: &[u8]) -> Option<Self> {
+        let mut out = Self { n: 0, corners: [0; MAX_SIDES], cost: 0.0, sharpest: 180.0 };
+        for (i, &k) in wanted.iter().enumerate() {
+            match k {
+                1 if out.n < MAX_SIDES => {
+                    out.corners[out.n] = i as u32;
+                    out.n += 1;
+                }
+                2 => {}
+                _ => return None,
+            }
+        }
+        Some(out)
+    }
+
     /// Numbers of segments from each corner to the next, on a contour of `len` nodes.
     pub fn sides(&self, len: usize) -> [u32; MAX_SIDES] {
         let mut s = [0; MAX_SIDES];

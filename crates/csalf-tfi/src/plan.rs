@@ -144,6 +144,25 @@ pub fn plans(task: &RegionTask<'_>, rules: &TfiRules, filler: &mut Filler) -> Ve
     tried
 }
 
+/// The plans for a contour whose corners are given, best forecast first: without coarse trials, since the
+/// nodes of the contour are moved afterwards.
+pub fn given_plans(task: &RegionTask<'_>, rules: &TfiRules) -> Vec<Plan> {
+    let mut found = Vec::new();
+    let Some(i) = Interpretation::given(&task.contour.wanted) else { return found };
+    for extra in [false, true] {
+        if i.n > 0 {
+            match_patterns(task, rules, &i, extra, &mut found);
+        } else if !extra {
+            disks(task, rules, &i, &mut found);
+        }
+        if !found.is_empty() {
+            break;
+        }
+    }
+    found.sort_by(|a, b| a.misfit.total_cmp(&b.misfit));
+    found
+}
+
 fn match_patterns(
     task: &RegionTask<'_>,
     rules: &TfiRules,

@@ -1,7 +1,7 @@
 //! The member of the triad that finishes contours: transfinite interpolation and its patterns.
 
 use crate::fill::Filler;
-use crate::plan::{Plan, plans};
+use crate::plan::{Plan, given_plans, plans};
 use crate::quality::{fit, shape};
 use crate::rules::{TfiMode, TfiRules};
 use csalf_mesh::{Appraisal, Contour, Patch, Refusal, RegionMesher, RegionTask};
@@ -57,6 +57,35 @@ impl Transfinite {
         FILLER.with_borrow_mut(|f| self.fill_with(task, plan, f))
     }
 
+    /// Fills a contour whose corners are given by the best of the first plans, whatever its quality.
+    fn fill_given(&self, task: &RegionTask<'_>) -> Result<Patch, Refusal> {
+        let c = task.contour;
+        let n = c.len();
+        if c.wanted.len() != n {
+            return Err(Refusal::NotApplicable);
+        }
+        let list = given_plans(task, &self.rules);
+        let mut best: Option<(f64, Patch)> = None;
+        FILLER.with_borrow_mut(|filler| {
+            for plan in list.iter().take(MAX_FILLS) {
+                filler.fill(plan.pattern, &plan.x, c.points.iter().copied(), plan.start, task.size, &plan.x);
+                if plan.pattern.n_irregular > 0 {
+                    filler.relax(task.size, SWEEPS);
+                }
+                let s = shape(&filler.points, &filler.quads);
+                let f = fit(&filler.points, &filler.quads, task.size, SIZE_SAMPLES, &[]);
+                // As the score of a plan; irregular vertices are counted by the caller.
+                let score = s.mean_sj + 0.5 * s.min_sj - 0.1 * f.worst.ln() - 0.3 * f.edges
+                    - 0.02 * plan.pattern.n_irregular as f64;
+                if best.as_ref().is_none_or(|b| score > b.0) && !has_double(c, &filler.quads) {
+                    let points = filler.points[n..].to_vec();
+                    best = Some((score, Patch { points, quads: filler.quads.clone(), children: Vec::new() }));
+                }
+            }
+        });
+        best.map(|b| b.1).ok_or(Refusal::NotApplicable)
+    }
+
     fn fill_with(&self, task: &RegionTask<'_>, plan: &Plan, filler: &mut Filler) -> Result<Patch, Refusal> {
         let c = task.contour;
         let n = c.len();
@@ -108,6 +137,9 @@ impl RegionMesher for Transfinite {
 
     fn mesh(&self, task: &RegionTask<'_>) -> Result<Patch, Refusal> {
         let n = task.contour.len();
+        if !task.contour.wanted.is_empty() {
+            return self.fill_given(task);
+        }
         let plans = self.plans(task);
         let mut why = Refusal::NotApplicable;
         // The coarse trial may be a little too hard on a patch: the finished one decides.

@@ -1,0 +1,75 @@
+//! The cleaning stage: repair, smoothing, cavity refill.
+//!
+//! ```text
+//!   quads of rings and patches ──repair, smooth──▶ irregular vertices? ──cavities──▶ smooth ──▶ mesh
+//! ```
+
+use crate::{Method, Options, Preset};
+use csalf_clean::smooth::SmoothOptions;
+use csalf_clean::{CavityRules, CavityTask, REMOVED, finish, refill_cavities, repair};
+use csalf_geom::VertexId;
+use csalf_geom::arrangement::Arrangement;
+use csalf_mesh::{NamedSets, QuadMesh, QuadTopology};
+use csalf_sizemap::SizeField;
+use csalf_tfi::{TfiRules, Transfinite};
+
+/// Cleans and smooths the mesh; returns its topology. `fixed` (per vertex) must not move, `protected` (per
+/// quad) must stay. The sets follow the new numbers.
+pub(crate) fn clean(
+    mesh: &mut QuadMesh,
+    mut fixed: Vec<bool>,
+    mut protected: Vec<bool>,
+    sets: &mut NamedSets,
+    arrangement: &Arrangement,
+    size: &dyn SizeField,
+    options: &Options,
+) -> QuadTopology {
+    let smoothing = SmoothOptions::default();
+    let repaired = repair(mesh, &mut fixed, &mut protected, size, &smoothing);
+    renumber(sets, &repaired.quads);
+    let topology = QuadTopology::new(mesh.n_vertices(), &mesh.quads);
+    if options.method != Method::Csalf || options.preset != Preset::Quality {
+        return topology;
+    }
+    let scars = arrangement.scars.iter();
+    let kept: Vec<[VertexId; 2]> =
+        scars.flat_map(|s| s.windows(2).map(|w| [VertexId(w[0]), VertexId(w[1])])).collect();
+    let task = CavityTask {
+        fixed: &fixed,
+        protected: &protected,
+        kept: &kept,
+        size,
+        mesher: &Transfinite::new(TfiRules::default()),
+        tolerance: arrangement.tolerance,
+        rules: CavityRules::default(),
+    };
+    let cleaned = refill_cavities(mesh, &topology, &task);
+    tracing::info!(seeds = cleaned.n_seeds, tried = cleaned.tried, taken = cleaned.taken, "cavities");
+    if cleaned.taken == 0 {
+        return topology;
+    }
+    renumber(sets, &cleaned.quads);
+    let mut still = vec![false; mesh.n_vertices()];
+    for v in (0..fixed.len()).filter(|&v| fixed[v]) {
+        // Fixed vertices are never removed.
+        if let Some(s) = still.get_mut(cleaned.vertices.get(v).map_or(v, |&w| w as usize)) {
+            *s = true;
+        }
+    }
+    let topology = QuadTopology::new(mesh.n_vertices(), &mesh.quads);
+    finish(mesh, &topology, &still, size, &smoothing);
+    topology
+}
+
+/// Follows new numbers of quads, if there are any; removed ones leave their sets.
+fn renumber(sets: &mut NamedSets, quads: &[u32]) {
+    if quads.is_empty() {
+        return;
+    }
+    for (_, list) in &mut sets.quads {
+        list.retain_mut(|q| {
+            q.0 = quads.get(q.index()).copied().unwrap_or(REMOVED);
+            q.0 != REMOVED
+        });
+    }
+}
