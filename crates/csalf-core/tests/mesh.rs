@@ -31,7 +31,8 @@ fn run(job: &Job, options: &Options) -> Meshed {
     let scars: Vec<_> = job.domain.scars.iter().flat_map(|s| set(&s.name)).collect();
     let nodes: Vec<Point2> = job.domain.loops.iter().flat_map(|l| l.nodes.iter().copied()).collect();
     let points: Vec<_> = m.sets.nodes.iter().filter(|s| s.0.starts_with("point")).map(|s| s.1[0]).collect();
-    let expected = Expectation { nodes: &nodes, boundary: &boundary, scars: &scars, points: &points, area: 0.0 };
+    let expected =
+        Expectation { nodes: &nodes, boundary: &boundary, scars: &scars, points: &points, area: 0.0 };
     assert_eq!(validate(&m.mesh, &expected), [], "the mesh is valid");
     m
 }

@@ -75,7 +75,9 @@ impl Transfinite {
                 let s = shape(&filler.points, &filler.quads);
                 let f = fit(&filler.points, &filler.quads, task.size, SIZE_SAMPLES, &[]);
                 // As the score of a plan; irregular vertices are counted by the caller.
-                let score = s.mean_sj + 0.5 * s.min_sj - 0.1 * f.worst.ln() - 0.3 * f.edges
+                let score = s.mean_sj + 0.5 * s.min_sj
+                    - 0.1 * f.worst.ln()
+                    - 0.3 * f.edges
                     - 0.02 * plan.pattern.n_irregular as f64;
                 if best.as_ref().is_none_or(|b| score > b.0) && !has_double(c, &filler.quads) {
                     let points = filler.points[n..].to_vec();

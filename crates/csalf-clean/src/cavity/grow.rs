@@ -5,7 +5,7 @@
 //!    quads that stand there, until there is no such vertex, or one that cannot be helped.
 //! 3. [`Site::rim`] walks around; a vertex passed twice is drawn in as well.
 
-use super::CavityTask;
+use super::{CavityTask, Rejections};
 use crate::edit::EditMesh;
 use csalf_geom::angle::interior_angle;
 use std::f64::consts::FRAC_PI_2;
@@ -30,6 +30,7 @@ pub(super) struct Site<'a> {
     wanted: Vec<u8>,
     /// Vertices that lie inside the material, fixed: judged by the angles of each side.
     special: Vec<bool>,
+    pub(super) rejected: Rejections,
 }
 
 /// The cavity under construction, with counts that are cleared by the numbers of its own vertices.
@@ -103,7 +104,7 @@ impl<'a> Site<'a> {
                 *s = true;
             }
         }
-        Self { mesh, task, kept, wanted: vec![0; n], special }
+        Self { mesh, task, kept, wanted: vec![0; n], special, rejected: Rejections::default() }
     }
 
     pub(super) fn is_special(&self, v: u32) -> bool {

@@ -82,10 +82,29 @@ pub struct CavityReport {
     pub tried: usize,
     /// Patches that were taken.
     pub taken: usize,
+    /// Why the others were not.
+    pub rejected: Rejections,
     /// New number of each old vertex, or [`crate::REMOVED`]. Empty if no number changed.
     pub vertices: Vec<u32>,
     /// Likewise of each old quad. A quad of a patch may have the number of one that it replaced.
     pub quads: Vec<u32>,
+}
+
+/// Why patches were not taken, and seeds not followed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Rejections {
+    /// Seeds whose own quads cannot be a cavity.
+    pub blocked: usize,
+    /// Seeds none of whose cavities promised anything.
+    pub hopeless: usize,
+    /// The mesher had no patch, or none with a lower potential.
+    pub unfilled: usize,
+    /// The smallest scaled Jacobian would have fallen.
+    pub shape: usize,
+    /// The mean scaled Jacobian would have fallen.
+    pub mean: usize,
+    /// Sizes would have got worse.
+    pub size: usize,
 }
 
 /// Replaces cavities by patches with fewer irregular vertices. `topology` must be that of `mesh`; the result
@@ -129,6 +148,7 @@ pub fn refill_cavities(mesh: &mut QuadMesh, topology: &QuadTopology, task: &Cavi
             }
         }
     }
+    report.rejected = site.rejected;
     (report.vertices, report.quads) = site.mesh.finish();
     report
 }

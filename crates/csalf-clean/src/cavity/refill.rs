@@ -8,9 +8,7 @@
 use super::grow::{Cavity, Site, weight};
 use crate::smooth::{SmoothOptions, finish};
 use csalf_geom::{Point2, VertexId};
-use csalf_mesh::{
-    Contour, NodeFlags, Patch, QuadMesh, QuadTopology, RegionTask, certify, quality::Corners,
-};
+use csalf_mesh::{Contour, NodeFlags, Patch, QuadMesh, QuadTopology, RegionTask, certify, quality::Corners};
 use csalf_sizemap::Hint;
 
 const NONE: u32 = u32::MAX;
@@ -36,8 +34,9 @@ impl Site<'_> {
     pub(super) fn improve(&mut self, seed: u32, cavity: &mut Cavity, near: &mut Vec<u32>) -> (usize, bool) {
         cavity.clear(self.mesh.n_vertices(), self.mesh.n_quads());
         let mut tried = 0;
-        let (targets, parent) = self.search(seed);
+        let [targets, parent] = self.search(seed);
         if !self.add_star(cavity, seed) || !self.close(cavity) {
+            self.rejected.blocked += 1;
             return (tried, false);
         }
         let mut next_target = 0;
@@ -71,12 +70,14 @@ impl Site<'_> {
             }
             if !grown {
                 if rings == RINGS {
+                    self.rejected.hopeless += usize::from(tried == 0);
                     return (tried, false);
                 }
                 rings += 1;
                 let rim = cavity.rim.clone();
                 let all = rim.iter().all(|&v| !self.is_free(v) || self.add_star(cavity, v));
                 if !all || !self.close(cavity) {
+                    self.rejected.hopeless += usize::from(tried == 0);
                     return (tried, false);
                 }
             }
@@ -100,7 +101,7 @@ impl Site<'_> {
 
     /// The nearest irregular vertices around `seed`, each with a quad that has it, and the tree of quads back to
     /// the seed as pairs (quad, parent).
-    fn search(&mut self, seed: u32) -> (Vec<(u32, u32)>, Vec<(u32, u32)>) {
+    fn search(&mut self, seed: u32) -> [Vec<(u32, u32)>; 2] {
         let mut order: Vec<(u32, u32)> = self.mesh.star(seed).iter().map(|&h| (h / 4, NONE)).collect();
         let mut found: Vec<(u32, u32)> = Vec::new();
         let mut seen: Vec<u32> = order.iter().map(|o| o.0).collect();
@@ -127,7 +128,7 @@ impl Site<'_> {
             i += 1;
         }
         order.sort_unstable();
-        (found, order)
+        [found, order]
     }
 
     fn add_path(&self, cavity: &mut Cavity, mut q: u32, parent: &[(u32, u32)]) -> bool {
@@ -142,13 +143,17 @@ impl Site<'_> {
 
     /// Fills the cavity, smooths, compares; commits if better.
     fn attempt(&mut self, cavity: &Cavity, near: &mut Vec<u32>) -> bool {
-        let Some(patch) = self.fill(cavity) else { return false };
+        let Some(patch) = self.fill(cavity) else {
+            self.rejected.unfilled += 1;
+            return false;
+        };
         let n_rim = cavity.rim.len();
         let mut valence = vec![0usize; n_rim + patch.points.len()];
         patch.quads.iter().flatten().for_each(|&v| valence[v as usize] += 1);
         let fits = valence[..n_rim].iter().zip(&cavity.wanted).all(|(&d, &k)| d == usize::from(k));
         let after: u32 = valence[n_rim..].iter().map(|&d| weight(d, 4)).sum();
         if !fits || after >= self.potential(cavity) {
+            self.rejected.unfilled += 1;
             return false;
         }
         let mut local = self.local(cavity, &patch);
@@ -157,18 +162,29 @@ impl Site<'_> {
         if topology.n_bad_edges > 0 {
             return false;
         }
-        let options =
-            SmoothOptions { threshold: 2.0, rings: 0, laplace_sweeps: 3, sweeps: 6, ..SmoothOptions::default() };
+        let options = SmoothOptions {
+            threshold: 2.0,
+            rings: 0,
+            laplace_sweeps: 3,
+            sweeps: 6,
+            ..SmoothOptions::default()
+        };
         finish(&mut local.mesh, &topology, &local.fixed, self.task.size, &options);
-        if certify(&local.mesh.points, &local.mesh.quads).is_some() {
-            return false;
-        }
         let now = self.measure(&local.mesh);
         let r = &self.task.rules;
-        if now.min < before.min.min(r.min_sj)
-            || now.mean < before.mean - r.mean_loss
-            || now.off_size > before.off_size + r.size_loss
+        let counter = if certify(&local.mesh.points, &local.mesh.quads).is_some()
+            || now.min < before.min.min(r.min_sj)
         {
+            Some(&mut self.rejected.shape)
+        } else if now.mean < before.mean - r.mean_loss {
+            Some(&mut self.rejected.mean)
+        } else if now.off_size > before.off_size + r.size_loss {
+            Some(&mut self.rejected.size)
+        } else {
+            None
+        };
+        if let Some(counter) = counter {
+            *counter += 1;
             return false;
         }
         self.commit(cavity, &patch, &local, near);
