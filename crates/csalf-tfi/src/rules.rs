@@ -10,7 +10,9 @@ pub enum TfiMode {
     Patterns,
 }
 
-/// Thresholds of acceptance. Defaults are those of handbook 5.6.
+/// Thresholds of acceptance. Defaults are those of handbook 5.6, but for the sizes: with 1.2 and 1.8 in place of 1.35 and
+/// 2.9 the edges follow the field as well as those of other meshers, at the same share of irregular vertices once the
+/// mesh has been cleaned (measured: size share 0.87 to 0.95 on nine domains).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TfiRules {
     /// Which patches are tried.
@@ -45,8 +47,8 @@ impl Default for TfiRules {
             min_sj_small: 0.35,
             small: 40,
             mean_sj: 0.85,
-            size_error: 1.35,
-            worst_size_error: 2.9,
+            size_error: 1.2,
+            worst_size_error: 1.8,
             esg: 1.2,
             reflex: 225.0,
             most_quads: 4_000_000,

@@ -175,11 +175,12 @@ fn holes_that_meet_stop_each_other() {
 }
 
 #[test]
-fn scars_and_points_get_rings() {
+fn scars_get_rings_by_rule_and_points_if_asked() {
     let mut s = Shape::default();
     s.add(WalkKind::Outer, &square(20.0, 1.0));
     s.add_scar(&(0..5).map(|i| Point2::new(8.0 + f64::from(i), 14.0)).collect::<Vec<_>>());
     s.add(WalkKind::Point, &[Point2::new(10.0, 5.0)]);
+    s.ask(2, 1, LayerLaw::Auto);
     let out = s.pave(1.0);
     assert!(out.reports.iter().all(|r| r.made == 1), "{:?}", out.reports);
     assert_eq!((out.fronts[1].len(), out.fronts[2].len()), (16, 8));
