@@ -25,6 +25,8 @@ pub struct EditMesh<'a> {
     lists: Vec<Vec<u32>>,
     free_quads: Vec<u32>,
     free_vertices: Vec<u32>,
+    /// Vertices and quads of the mesh before that were removed, though their places may be taken again.
+    gone: (Vec<u32>, Vec<u32>),
 }
 
 impl<'a> EditMesh<'a> {
@@ -39,6 +41,7 @@ impl<'a> EditMesh<'a> {
             lists: Vec::new(),
             free_quads: Vec::new(),
             free_vertices: Vec::new(),
+            gone: Default::default(),
         }
     }
 
@@ -118,6 +121,7 @@ impl<'a> EditMesh<'a> {
             self.mesh.quads[q as usize] = [VertexId(NONE); 4];
             self.free_quads.push(q);
         }
+        self.gone.1.extend(old);
         self.free_quads.sort_unstable_by(|a, b| b.cmp(a));
         let mut names = Vec::with_capacity(points.len());
         for &p in points {
@@ -149,6 +153,7 @@ impl<'a> EditMesh<'a> {
         touched.dedup();
         // Descending, so that the lowest names are given first.
         let lone: Vec<u32> = touched.into_iter().rev().filter(|&v| self.star(v).is_empty()).collect();
+        self.gone.0.extend(&lone);
         self.free_vertices.extend(lone);
         names
     }
@@ -164,28 +169,38 @@ impl<'a> EditMesh<'a> {
     }
 
     /// Ends editing: closes the gaps, keeping the order. Returns the new number of each old vertex and quad,
-    /// or [`REMOVED`]; empty if no number changed. A quad that took the place of an old one has its number.
-    /// Cost O(n) if there are gaps.
+    /// or [`REMOVED`]; empty if no number changed. Cost O(n) if something was removed.
     pub fn finish(self) -> (Vec<u32>, Vec<u32>) {
-        let Self { mesh, n_before, free_quads, free_vertices, .. } = self;
+        let Self { mesh, n_before, free_vertices, gone, .. } = self;
         let mut maps = (Vec::new(), Vec::new());
-        if !free_vertices.is_empty() {
-            let mut gone = vec![false; mesh.n_vertices()];
-            free_vertices.iter().for_each(|&v| gone[v as usize] = true);
-            maps.0 = close(&gone, &mut mesh.points);
+        if !gone.0.is_empty() {
+            let mut free = vec![false; mesh.n_vertices()];
+            free_vertices.iter().for_each(|&v| free[v as usize] = true);
+            maps.0 = close(&free, &mut mesh.points);
             for v in mesh.quads.iter_mut().flatten().chain(mesh.triangles.iter_mut().flatten()) {
                 if v.0 != NONE {
                     *v = VertexId(maps.0[v.index()]);
                 }
             }
             maps.0.truncate(n_before.0);
+            forget(&mut maps.0, &gone.0);
         }
-        if !free_quads.is_empty() {
-            let gone: Vec<bool> = mesh.quads.iter().map(|q| q[0].0 == NONE).collect();
-            maps.1 = close(&gone, &mut mesh.quads);
+        if !gone.1.is_empty() {
+            let free: Vec<bool> = mesh.quads.iter().map(|q| q[0].0 == NONE).collect();
+            maps.1 = close(&free, &mut mesh.quads);
             maps.1.truncate(n_before.1);
+            forget(&mut maps.1, &gone.1);
         }
         maps
+    }
+}
+
+/// What was removed has no number, even if another took its place.
+fn forget(map: &mut [u32], gone: &[u32]) {
+    for &i in gone {
+        if let Some(m) = map.get_mut(i as usize) {
+            *m = REMOVED;
+        }
     }
 }
 
@@ -237,8 +252,8 @@ mod tests {
         let (vertices, quads) = edit.finish();
         assert_eq!(mesh.n_quads(), 13);
         assert_eq!(vertices[6], REMOVED);
-        assert_eq!(quads[0], 0, "the new quad took the first free place");
-        assert_eq!((quads[1], quads[2]), (REMOVED, 1));
+        assert_eq!((quads[0], quads[1], quads[2]), (REMOVED, REMOVED, 1));
+        assert_eq!(mesh.quads[0][1], VertexId(2), "the new quad took the first free place");
         let expected = QuadTopology::new(mesh.n_vertices(), &mesh.quads);
         assert_eq!(expected.n_bad_edges, 0);
     }

@@ -218,9 +218,12 @@ fn collect(
     for v in frozen {
         fixed[number[v as usize] as usize] = true;
     }
+    // Layers that were asked for stay; of those made by rule, the first.
     let mut protected = vec![false; mesh.quads.len()];
-    for q in layers.values().flatten() {
-        protected[q.index()] = true;
+    for (&(_, layer), quads) in &layers {
+        for q in quads {
+            protected[q.index()] = layer == 0 || mesh.quads[q.index()].iter().all(|v| fixed[v.index()]);
+        }
     }
     for ((curve, layer), quads) in layers {
         sets.quads.push((format!("{}_layer{}", curve_name(curve as usize), layer + 1), quads));

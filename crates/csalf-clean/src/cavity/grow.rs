@@ -8,6 +8,7 @@
 use super::{CavityTask, Rejections};
 use crate::edit::EditMesh;
 use csalf_geom::angle::interior_angle;
+use std::collections::BTreeSet;
 use std::f64::consts::FRAC_PI_2;
 
 const NONE: u32 = u32::MAX;
@@ -20,6 +21,10 @@ const THRESHOLDS: [f64; 3] = [2.0 / 1.5 * FRAC_PI_2, 6.0 / 2.5 * FRAC_PI_2, 12.0
 /// Source: handbook 2.2 (d).
 const AMBIGUOUS: f64 = 12.0 / 90.0 * FRAC_PI_2;
 
+/// An inner vertex counts as much as this many on the boundary, where one quad more or less costs little
+/// shape. Smaller: cavities trade one for the other.
+pub(super) const INNER: u32 = 4;
+
 /// The mesh with everything that decides what may be done where.
 pub(super) struct Site<'a> {
     pub(super) mesh: EditMesh<'a>,
@@ -31,6 +36,8 @@ pub(super) struct Site<'a> {
     /// Vertices that lie inside the material, fixed: judged by the angles of each side.
     special: Vec<bool>,
     pub(super) rejected: Rejections,
+    /// Keys of cavities that were tried in vain.
+    pub(super) failed: BTreeSet<u64>,
 }
 
 /// The cavity under construction, with counts that are cleared by the numbers of its own vertices.
@@ -104,7 +111,15 @@ impl<'a> Site<'a> {
                 *s = true;
             }
         }
-        Self { mesh, task, kept, wanted: vec![0; n], special, rejected: Rejections::default() }
+        Self {
+            mesh,
+            task,
+            kept,
+            wanted: vec![0; n],
+            special,
+            rejected: Rejections::default(),
+            failed: BTreeSet::new(),
+        }
     }
 
     pub(super) fn is_special(&self, v: u32) -> bool {
@@ -192,16 +207,30 @@ impl<'a> Site<'a> {
             return true;
         }
         let full = cavity.quads.len() >= self.task.rules.most_quads;
-        if full || self.task.protected.get(q as usize).copied().unwrap_or(false) {
+        if full || self.is_protected(q) {
             return false;
         }
         cavity.add(q, self.mesh.quad(q));
         true
     }
 
-    /// Takes all quads at `v` in, if they may be.
+    /// True if quad `q` must stay.
+    pub(super) fn is_protected(&self, q: u32) -> bool {
+        self.task.protected.get(q as usize).copied().unwrap_or(false)
+    }
+
+    /// Takes all quads at `v` in that may be edited; false if there are none, or too many in all.
     pub(super) fn add_star(&self, cavity: &mut Cavity, v: u32) -> bool {
-        self.mesh.star(v).iter().all(|&h| self.add(cavity, h / 4))
+        let n = cavity.quads.len();
+        let open = self.mesh.star(v).iter().map(|&h| h / 4).filter(|&q| !self.is_protected(q));
+        let mut any = false;
+        for q in open {
+            any = true;
+            if !self.add(cavity, q) {
+                return false;
+            }
+        }
+        any && (cavity.quads.len() > n || cavity.inside(v) == self.mesh.valence(v))
     }
 
     /// Makes the cavity convex and finds its rim; false if that cannot be. The cavity then holds whatever
@@ -312,11 +341,12 @@ impl<'a> Site<'a> {
         for &v in &cavity.vertices {
             let n_in = cavity.inside(v);
             if n_in == self.mesh.valence(v) && !self.mesh.on_boundary(v) && n_in > 0 {
-                sum += weight(n_in, 4);
+                sum += INNER * weight(n_in, 4);
             }
         }
         for (&v, &k) in cavity.rim.iter().zip(&cavity.wanted) {
-            sum += weight(cavity.inside(v), usize::from(k));
+            let factor = if self.is_free(v) { INNER } else { 1 };
+            sum += factor * weight(cavity.inside(v), usize::from(k));
         }
         sum
     }
@@ -336,10 +366,10 @@ impl<'a> Site<'a> {
             4 => {
                 let side = |k: usize| corners[k + 1] - corners[k];
                 let last = n - corners[3] + corners[0];
-                Some(if side(0) == side(2) && side(1) == last { 0 } else { 4 })
+                Some(if side(0) == side(2) && side(1) == last { 0 } else { 4 * INNER })
             }
-            0..=3 => Some(2 * (4 - m as u32)),
-            5 | 6 => Some(2 * (m as u32 - 4)),
+            0..=3 => Some(2 * INNER * (4 - m as u32)),
+            5 | 6 => Some(2 * INNER * (m as u32 - 4)),
             _ => None,
         }
     }

@@ -16,7 +16,7 @@
 //! 4. [`refill`]: the patch and two rings around are smoothed apart from the mesh and compared with what was
 //!    there. If shape and size are good, the patch is taken; its surroundings are seeds again.
 //!
-//! The potential (sum of 1 + (d - wanted)² over irregular vertices) falls with every change, so the process
+//! The potential (sum of 1 + (d - wanted)² over irregular vertices, those on the boundary a quarter) falls with every change, so the process
 //! ends. Nothing depends on the number of threads. Source: handbook 6.3 to 6.6.
 
 mod grow;
@@ -59,9 +59,10 @@ pub struct CavityRules {
     pub most_quads: usize,
     /// A patch must have a smallest scaled Jacobian of at least this, or of what was there before.
     pub min_sj: f64,
-    /// The mean scaled Jacobian may fall by this.
+    /// The sum of the scaled Jacobians may fall by this for every irregular vertex that goes.
     pub mean_loss: f64,
-    /// The share of edges with a length outside 0.7 to 1.4 of the wanted one may grow by this.
+    /// The number of quads with all edges of a length outside 0.7 to 1.4 of the wanted one may grow by this
+    /// for every irregular vertex that goes (a quad with one such edge counts a quarter).
     pub size_loss: f64,
     /// Most patches tried per seed.
     pub patches: usize,
@@ -69,7 +70,7 @@ pub struct CavityRules {
 
 impl Default for CavityRules {
     fn default() -> Self {
-        Self { most_quads: 240, min_sj: 0.5, mean_loss: 0.01, size_loss: 0.03, patches: 6 }
+        Self { most_quads: 160, min_sj: 0.5, mean_loss: 0.4, size_loss: 1.5, patches: 4 }
     }
 }
 
@@ -86,7 +87,7 @@ pub struct CavityReport {
     pub rejected: Rejections,
     /// New number of each old vertex, or [`crate::REMOVED`]. Empty if no number changed.
     pub vertices: Vec<u32>,
-    /// Likewise of each old quad. A quad of a patch may have the number of one that it replaced.
+    /// Likewise of each old quad.
     pub quads: Vec<u32>,
 }
 
