@@ -253,7 +253,7 @@ mod tests {
         assert_eq!(mesh.n_quads(), 13);
         assert_eq!(vertices[6], REMOVED);
         assert_eq!((quads[0], quads[1], quads[2]), (REMOVED, REMOVED, 1));
-        assert_eq!(mesh.quads[0][1], VertexId(2), "the new quad took the first free place");
+        assert_eq!(mesh.quads[0][1], VertexId(vertices[2]), "the new quad took the first free place");
         let expected = QuadTopology::new(mesh.n_vertices(), &mesh.quads);
         assert_eq!(expected.n_bad_edges, 0);
     }
