@@ -86,8 +86,7 @@ pub fn stem(path: &Path) -> String {
 /// As [`read_jobs`].
 pub fn read_mesh(path: &Path, format: MeshFormat) -> Result<MeshData, Failure> {
     let bytes = read(path)?;
-    let _ = (&bytes, format);
-    Err(Failure::Usage(format!("{}: reading {} is not built yet", shown(path), format.name())))
+    csalf_io::read_mesh_bytes(format, &bytes).map_err(|e| Failure::of_file(&shown(path), &e))
 }
 
 /// A mesh file to be written: name and format, settled before any work is done.

@@ -1,5 +1,6 @@
 //! The program `csalf`, run as a user runs it: exit codes, streams, files.
 
 mod common;
+mod formats;
 mod meshing;
 mod usage;
