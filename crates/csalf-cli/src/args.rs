@@ -71,6 +71,9 @@ pub struct MeshArgs {
     /// Wanted edge length everywhere, in place of the sizes that the input asks for
     #[arg(long, value_name = "H", value_parser = parse_length, allow_negative_numbers = true)]
     pub size: Option<f64>,
+    /// Place new nodes on outlines whose nodes are given, as far apart as the size says; corners stay
+    #[arg(long)]
+    pub resample: bool,
     /// Largest growth of the wanted size per unit of length
     #[arg(long, value_name = "G", value_parser = parse_length, allow_negative_numbers = true)]
     pub gradation: Option<f64>,
@@ -149,6 +152,15 @@ pub struct InfoArgs {
     /// Outline or mesh; `-` is standard input
     #[arg(value_hint = ValueHint::FilePath)]
     pub input: PathBuf,
+    /// Write what would be meshed as a job file, one per outline; `-` is standard output
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub job: Option<PathBuf>,
+    /// Wanted edge length everywhere, as with `csalf mesh`
+    #[arg(long, value_name = "H", value_parser = parse_length, allow_negative_numbers = true)]
+    pub size: Option<f64>,
+    /// Place new nodes on outlines whose nodes are given, as with `csalf mesh`
+    #[arg(long)]
+    pub resample: bool,
     /// Format of the input, in place of its extension
     #[arg(long, value_name = "FORMAT")]
     pub format: Option<String>,

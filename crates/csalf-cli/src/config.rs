@@ -25,6 +25,7 @@ struct Config {
     input: Option<PathBuf>,
     output: Option<OneOrMore>,
     size: Option<f64>,
+    resample: Option<bool>,
     gradation: Option<f64>,
     method: Option<MethodArg>,
     preset: Option<PresetArg>,
@@ -103,6 +104,7 @@ pub fn merge(args: &MeshArgs, text: &str, folder: &Path) -> Result<(MeshArgs, La
     }
     out.allow_triangles |= c.allow_triangles.unwrap_or(false);
     out.repair_parity |= c.repair_parity.unwrap_or(false);
+    out.resample |= c.resample.unwrap_or(false);
     out.json |= c.json.unwrap_or(false);
     out.threads = out.threads.or(c.threads);
     out.format = out.format.or(c.format);

@@ -41,6 +41,16 @@ pub enum Failure {
     },
     /// Could not mesh (code 4).
     Unmeshed(String),
+    /// Some outlines of a file have no mesh; each was already reported. The code is the largest of theirs: a defect
+    /// of this program is not to be lost among faults of the input.
+    Several {
+        /// The largest code.
+        code: u8,
+        /// Outlines in all.
+        n_outlines: usize,
+        /// One message per failed outline.
+        errors: Vec<String>,
+    },
     /// File trouble (code 5).
     Files(String),
 }
@@ -54,6 +64,7 @@ impl Failure {
             Self::Invalid { .. } => INVALID,
             Self::Unmeshed(_) => UNMESHED,
             Self::Files(_) => FILES,
+            Self::Several { code, .. } => *code,
         }
     }
 
@@ -85,6 +96,9 @@ impl std::fmt::Display for Failure {
         match self {
             Self::Check(findings) => write!(f, "{}", findings.join("\n")),
             Self::Usage(m) | Self::Unmeshed(m) | Self::Files(m) => write!(f, "{m}"),
+            Self::Several { n_outlines, errors, .. } => {
+                write!(f, "{} of {n_outlines} outlines failed", errors.len())
+            }
             Self::Invalid { input, defects } if defects.len() == 1 => write!(f, "{input}: {}", defects[0]),
             Self::Invalid { input, defects } => {
                 write!(f, "{input}: {} defects\n  {}", defects.len(), defects.join("\n  "))

@@ -31,6 +31,7 @@ pub fn success(entries: Map<String, Value>) -> String {
 pub fn failure(failure: &crate::exit::Failure) -> String {
     let errors: Vec<String> = match failure {
         crate::exit::Failure::Invalid { defects, .. } => defects.clone(),
+        crate::exit::Failure::Several { errors, .. } => errors.clone(),
         other => other.to_string().lines().map(str::to_owned).collect(),
     };
     json!({

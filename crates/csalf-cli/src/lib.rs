@@ -16,6 +16,7 @@ pub mod files;
 pub mod json;
 pub mod layers;
 pub mod logging;
+pub mod outlines;
 pub mod progress;
 pub mod say;
 pub mod summary;

@@ -34,6 +34,17 @@ pub fn warning(text: &str) {
     labelled("warning", "33", text);
 }
 
+/// Most warnings of one kind printed one by one.
+const MAX_WARNINGS: usize = 10;
+
+/// Prints warnings about `about`; of many only the first, and how many more there are.
+pub fn warnings<T: std::fmt::Display>(about: &str, list: &[T]) {
+    list.iter().take(MAX_WARNINGS).for_each(|w| warning(&format!("{about}: {w}")));
+    if list.len() > MAX_WARNINGS {
+        warning(&format!("{about}: {} more warnings", list.len() - MAX_WARNINGS));
+    }
+}
+
 /// Prints why a command failed to standard error.
 pub fn failure(failure: &Failure) {
     labelled("error", "31", &failure.to_string());

@@ -21,3 +21,15 @@ pub struct Job {
     /// Circle (x, y, r) over which the local quality tau_l is reported.
     pub local_region: Option<[f64; 3]>,
 }
+
+impl Job {
+    /// Patterns of `layers` that match no loop, scar or point, in order.
+    pub fn unmatched_layers(&self) -> Vec<&str> {
+        let d = &self.domain;
+        let loops = d.loops.iter().map(|l| l.name.as_str());
+        let scars = d.scars.iter().map(|s| s.name.as_str());
+        let names: Vec<&str> = loops.chain(scars).chain(d.points.iter().map(|p| p.name.as_str())).collect();
+        let patterns = self.layers.iter().map(|(pattern, _)| pattern.as_str());
+        patterns.filter(|p| !names.iter().any(|name| crate::region::matches(p, name))).collect()
+    }
+}

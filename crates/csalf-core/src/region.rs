@@ -62,7 +62,7 @@ impl<'a> Curves<'a> {
 }
 
 /// True if `name` is `pattern`, in which each `*` stands for any characters.
-fn matches(pattern: &str, name: &str) -> bool {
+pub(crate) fn matches(pattern: &str, name: &str) -> bool {
     let mut parts = pattern.split('*');
     let Some(mut rest) = parts.next().and_then(|head| name.strip_prefix(head)) else { return false };
     let mut tail = None;

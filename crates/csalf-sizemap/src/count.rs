@@ -17,6 +17,12 @@ const ACCURACY: f64 = 1e-3;
 /// ... or by less than this many quads.
 const SMALL: f64 = 1e-3;
 
+/// Corner values whose relative difference is at most this take the mean: the next term of the series is below 1e-6
+/// of it, while divided differences lose digits.
+const NEARLY_EQUAL: f64 = 1e-3;
+/// Below this ln(1 + x) / x is 1 to the last digits.
+const TINY: f64 = 1e-12;
+
 impl Background {
     /// Integral of dA / h² over the triangles of the domain, without dimension. Exact up to rounding. O(n).
     pub fn expected_quads(&self) -> f64 {
@@ -36,15 +42,14 @@ impl Background {
 fn mean_inverse_square(mut h: [f64; 3]) -> f64 {
     h.sort_unstable_by(f64::total_cmp);
     let [a, b, c] = h;
-    if c - a <= 1e-3 * a {
-        // The second term of the series is below 1e-6 of the first.
+    if c - a <= NEARLY_EQUAL * a {
         let mean = (a + b + c) / 3.0;
         return 0.5 / (mean * mean);
     }
     let first = |u: f64, v: f64| {
         let x = (v - u) / u;
         // ln(1 + x) / x goes to 1 - x / 2.
-        -(if x < 1e-12 { 1.0 } else { x.ln_1p() / x }) / u
+        -(if x < TINY { 1.0 } else { x.ln_1p() / x }) / u
     };
     (first(b, c) - first(a, b)) / (c - a)
 }

@@ -3,6 +3,11 @@
 use crate::view::View;
 use csalf_geom::Point2;
 
+/// Overlap of neighbouring cells, in cells: rounding must not lose a segment that runs along their border.
+const SLACK: f64 = 1e-6;
+/// A view on one line is given this part of its diagonal as height, so that there are cells.
+const THINNEST: f64 = 1e-6;
+
 /// Segments of one contour hashed by cell. Rebuilt in place; cost O(n + cells).
 #[derive(Debug, Default)]
 pub(crate) struct SegmentGrid {
@@ -18,7 +23,7 @@ pub(crate) struct SegmentGrid {
 impl SegmentGrid {
     pub(crate) fn build(&mut self, view: &View) {
         let n = view.len();
-        let extent = (view.high - view.low).max(Point2::splat(view.diagonal() * 1e-6));
+        let extent = (view.high - view.low).max(Point2::splat(view.diagonal() * THINNEST));
         // About two cells per segment.
         self.cell =
             (extent.x * extent.y / (2.0 * n as f64)).sqrt().max(extent.max_element() / (4.0 * n as f64));
@@ -76,7 +81,7 @@ impl SegmentGrid {
             if steps_by_row { (self.column(a.x), self.column(b.x)) } else { (self.row(a.y), self.row(b.y)) };
         let forward = to >= from;
         let count = from.abs_diff(to);
-        let slack = self.cell * 1e-6;
+        let slack = self.cell * SLACK;
         for s in 0..=count {
             let c = if forward { from + s } else { from - s };
             let (r0, r1) = if steps_by_row {
@@ -104,7 +109,7 @@ impl SegmentGrid {
 
     /// The part of [a, b] inside cell slab `c`, widened a little.
     fn slab(&self, c: usize, low: f64, a: f64, b: f64) -> (f64, f64) {
-        let slack = self.cell * 1e-6;
+        let slack = self.cell * SLACK;
         let (lo, hi) = (a.min(b), a.max(b));
         let s0 = low + c as f64 * self.cell - slack;
         let s1 = s0 + self.cell + 2.0 * slack;

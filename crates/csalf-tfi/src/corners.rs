@@ -28,6 +28,8 @@ const MAX_AMBIGUOUS: usize = 5;
 const SURE: f64 = 112.0;
 /// A larger interior angle (degrees) is surely none: the quad in it would have a scaled Jacobian under 0.5.
 const LARGEST: f64 = 150.0;
+/// A turn to the right whose sine is at most this counts as straight: rounding of nodes on a line.
+const STRAIGHT: f64 = 1e-9;
 
 /// A node that may be a corner.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -128,7 +130,7 @@ impl Survey {
             if cross <= 0.0 && cosine > cos_reflex {
                 return None;
             }
-            out.convex &= cross >= -1e-9 * ll;
+            out.convex &= cross >= -STRAIGHT * ll;
             // (θ - 180)² for bends that are not corners, from the cosine: exact to the fourth order.
             let c = 2.0 * (1.0 + cosine);
             out.straight_cost += c * (1.0 + c / 12.0) * RADIANS_TO_RIGHT;

@@ -31,6 +31,13 @@ const OUTER: usize = 20;
 /// Most L-BFGS iterations per eps. (Handbook 7.4: 100 to 300.)
 const INNER: usize = 150;
 
+/// L-BFGS ends when a step lowers the energy by less than this part of it. Smaller: work without effect, as eps
+/// changes the energy next. *Arbitrary.*
+const STOP: f64 = 1e-5;
+
+/// Least square of eps, so that the energy is defined for a Jacobian of 0. (Handbook 7.4.)
+const MIN_EPS_SQUARED: f64 = 1e-12;
+
 /// What the untangler achieved.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct UntangleReport {
@@ -101,7 +108,7 @@ fn solve(region: &mut Region, size: &dyn SizeField, lambda: f64) -> (bool, usize
     let (_, mut min_d) = energy::regularised(region, &x, lambda, 1.0, &mut gradient);
     let mut eps = next_eps(min_d);
     for outer in 1..=OUTER {
-        lbfgs::minimise(&mut x, INNER, 0.1 * length, 1e-5, |x, g| {
+        lbfgs::minimise(&mut x, INNER, 0.1 * length, STOP, |x, g| {
             energy::regularised(region, x, lambda, eps, g).0
         });
         let before = min_d;
@@ -122,5 +129,5 @@ fn solve(region: &mut Region, size: &dyn SizeField, lambda: f64) -> (bool, usize
 
 /// The regularisation for a smallest Jacobian: a fifth of its depth below zero. (Handbook 7.4.)
 fn next_eps(min_d: f64) -> f64 {
-    (1e-12 + 0.04 * min_d.min(0.0).powi(2)).sqrt()
+    (MIN_EPS_SQUARED + 0.04 * min_d.min(0.0).powi(2)).sqrt()
 }

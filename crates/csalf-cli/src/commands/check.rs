@@ -26,7 +26,7 @@ fn check(args: &CheckArgs, level: i32) -> Result<(), Failure> {
     let format = files::mesh_format(&args.mesh, args.format.as_deref())?;
     let data = files::read_mesh(&args.mesh, format)?;
     if level >= 0 {
-        data.notes.iter().for_each(|n| say::warning(&format!("{shown}: {n}")));
+        say::warnings(&shown, &data.notes);
     }
     let mesh = &data.mesh;
     if mesh.n_quads() + mesh.triangles.len() == 0 {

@@ -1,11 +1,13 @@
 //! `csalf info`: what is in a file, without meshing it.
 
 use crate::args::InfoArgs;
+use crate::commands::mesh::{path_of, several, shown_outline};
 use crate::exit::Failure;
+use crate::outlines::{self, Wish};
 use crate::{files, json, say};
 use csalf_core::Job;
 use csalf_geom::{LoopKind, Point2, polygon};
-use csalf_io::{Input, JobFormat, MeshData, MeshFormat};
+use csalf_io::{JobFormat, MeshData, MeshFormat};
 use csalf_sizemap::SizeSpec;
 use serde_json::{Map, Value, json};
 use std::fmt::Write;
@@ -27,19 +29,7 @@ fn info(args: &InfoArgs, level: i32) -> Result<(), Failure> {
     match files::job_format(&args.input, args.format.as_deref()) {
         Ok(JobFormat::Msh) => {}
         Ok(format) => {
-            let read = files::read_jobs(&args.input, format)?;
-            if level >= 0 {
-                read.notes.iter().for_each(|n| say::warning(&format!("{shown}: {n}")));
-            }
-            let Input::Jobs(jobs) = read.input else {
-                return Err(Failure::Usage(format!("{shown}: raw curves are not supported yet")));
-            };
-            if args.json {
-                let mut m = Map::new();
-                m.insert("jobs".into(), jobs.iter().map(entry).collect::<Vec<_>>().into());
-                return say::out(&json::success(m));
-            }
-            return jobs.iter().try_for_each(|job| say::out(&describe(job)));
+            return of_outlines(args, &shown, format, level);
         }
         Err(f) if args.format.is_none() && MeshFormat::from_path(&args.input).is_err() => return Err(f),
         Err(_) => {}
@@ -57,7 +47,52 @@ fn info(args: &InfoArgs, level: i32) -> Result<(), Failure> {
     say::out(&describe_mesh(&shown, &data))
 }
 
-fn entry(job: &Job) -> Value {
+/// Tells of outlines, and with `--job` writes what would be meshed.
+fn of_outlines(args: &InfoArgs, shown: &str, format: JobFormat, level: i32) -> Result<(), Failure> {
+    let mut read = files::read_jobs(&args.input, format)?;
+    let wish = Wish { size: args.size, resample: args.resample };
+    let all = outlines::jobs(read.input, &files::stem(&args.input), wish, &mut read.notes);
+    if level >= 0 {
+        say::warnings(shown, &read.notes);
+    }
+    let n = all.len();
+    let to_stdout = args.job.as_deref().is_some_and(files::is_standard);
+    if to_stdout && (n > 1 || args.json) {
+        return Err(Failure::Usage(format!(
+            "{shown}: more than one job does not fit into one stream: use files"
+        )));
+    }
+    let (mut failures, mut entries) = (Vec::new(), Vec::new());
+    for (k, outline) in all.iter().enumerate() {
+        let job = match &outline.job {
+            Ok(job) => job,
+            Err(defects) => {
+                let input = shown_outline(shown, &outline.name, n);
+                failures.push(Failure::Invalid { input, defects: defects.clone() });
+                continue;
+            }
+        };
+        if let Some(path) = &args.job {
+            let path = path_of(path, &outline.name, k, n);
+            files::write(&path, |sink| csalf_io::json::write(job, &read.options, sink))?;
+        }
+        if args.json {
+            entries.push(entry(job));
+        } else if !to_stdout {
+            say::out(&describe(job))?;
+        }
+    }
+    several(failures, n)?;
+    if args.json {
+        let mut m = Map::new();
+        m.insert("jobs".into(), entries.into());
+        say::out(&json::success(m))?;
+    }
+    Ok(())
+}
+
+/// A job in numbers.
+pub(super) fn entry(job: &Job) -> Value {
     let d = &job.domain;
     json!({
         "name": job.name,

@@ -10,21 +10,18 @@
 use crate::args::MeshArgs;
 use crate::exit::Failure;
 use crate::files::{self, Output};
+use crate::outlines::{self, Wish};
 use crate::progress::{self, Progress};
 use crate::timing::{Seconds, timed};
 use crate::{config, json, layers, logging, say, summary};
 use csalf_core::{Job, Meshed, Options};
 use csalf_geom::{Point2, Tolerance};
-use csalf_io::{CellData, Input, JobFormat, JobOptions, MeshView};
+use csalf_io::{CellData, JobFormat, JobOptions, MeshView};
 use csalf_mesh::quality::{QualityReport, scaled_jacobian};
-use csalf_pave::LayerSpec;
-use csalf_sizemap::{Extras, SizeField, SizeSpec};
+use csalf_sizemap::{Extras, SizeField};
 use serde_json::{Map, Value};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-
-/// Most warnings printed one by one.
-const MAX_WARNINGS: usize = 10;
 
 /// Runs the command.
 ///
@@ -92,42 +89,63 @@ fn settle(args: &MeshArgs) -> Result<Plan, Failure> {
 /// Reads, meshes, writes, reports.
 fn execute(plan: &Plan, level: i32) -> Result<(), Failure> {
     let shown = files::shown(&plan.input);
-    let read = files::read_jobs(&plan.input, plan.input_format)?;
+    let mut read = files::read_jobs(&plan.input, plan.input_format)?;
+    let wish = Wish { size: plan.args.size, resample: plan.args.resample };
+    let mut outlines = outlines::jobs(read.input, &files::stem(&plan.input), wish, &mut read.notes);
+    outlines.iter_mut().filter_map(|o| o.job.as_mut().ok()).for_each(|job| override_layers(job, plan));
+    read.notes.extend(unmatched(&outlines));
     if level >= 0 {
-        read.notes.iter().for_each(|n| say::warning(&format!("{shown}: {n}")));
+        say::warnings(&shown, &read.notes);
     }
-    let Input::Jobs(mut jobs) = read.input else {
-        return Err(Failure::Usage(format!("{shown}: raw curves are not supported yet")));
-    };
-    for (k, job) in jobs.iter_mut().enumerate() {
-        if job.name.is_empty() {
-            let stem = files::stem(&plan.input);
-            job.name = if k == 0 { stem } else { format!("{stem}{k}") };
-        }
-        override_job(job, plan);
-    }
-    if jobs.len() > 1 && plan.outputs.iter().any(|o| files::is_standard(&o.path)) {
-        return Err(Failure::Usage(format!(
-            "{shown}: {} outlines do not fit into one stream: use files",
-            jobs.len()
-        )));
+    let n = outlines.len();
+    if n > 1 && plan.outputs.iter().any(|o| files::is_standard(&o.path)) {
+        return Err(Failure::Usage(format!("{shown}: {n} outlines do not fit into one stream: use files")));
     }
     let options = options(&read.options, &plan.args);
     if plan.args.dry_run {
-        return dry_run(plan, &jobs, &options);
+        return super::dry_run::run(&shown, &outlines, &options, &plan.outputs, plan.args.json);
     }
-    let mut done = Vec::with_capacity(jobs.len());
+    let mut done = Vec::with_capacity(n);
     let mut failures = Vec::new();
-    for (k, job) in jobs.iter().enumerate() {
-        let input = if jobs.len() == 1 { shown.clone() } else { format!("{shown} ({})", job.name) };
-        let outputs = outputs_of(&plan.outputs, job, k, jobs.len());
+    for (k, outline) in outlines.iter().enumerate() {
+        let input = shown_outline(&shown, &outline.name, n);
+        let outputs: Vec<Output> = plan
+            .outputs
+            .iter()
+            .map(|o| Output { path: path_of(&o.path, &outline.name, k, n), ..o.clone() })
+            .collect();
         let request = Request { input: &input, options: options.clone(), outputs: &outputs, level };
-        match mesh_one(job, &request) {
+        let result = match &outline.job {
+            Ok(job) => mesh_one(job, &request),
+            Err(defects) => Err(Failure::Invalid { input, defects: defects.clone() }),
+        };
+        match result {
             Ok(d) => done.push(d),
             Err(f) => failures.push(f),
         }
     }
-    finish(plan, &done, failures, level)
+    finish(plan, &done, n, failures, level)
+}
+
+/// How one outline of `n` is called in messages.
+pub(super) fn shown_outline(shown: &str, name: &str, n: usize) -> String {
+    if n == 1 { shown.to_owned() } else { format!("{shown} ({name})") }
+}
+
+/// Layers asked for that no loop, scar or point has a name for, one sentence each.
+fn unmatched(outlines: &[outlines::Outline]) -> Vec<String> {
+    let jobs: Vec<&Job> = outlines.iter().filter_map(|o| o.job.as_ref().ok()).collect();
+    let mut patterns: Vec<&str> = jobs.iter().flat_map(|j| j.unmatched_layers()).collect();
+    patterns.sort_unstable();
+    patterns.dedup();
+    // Layers of the command line go to all outlines: one that takes them is enough.
+    patterns.retain(|p| {
+        jobs.iter().all(|j| !j.layers.iter().any(|l| l.0 == *p) || j.unmatched_layers().contains(p))
+    });
+    patterns
+        .iter()
+        .map(|p| format!("layers for '{p}': nothing has such a name (`csalf info` lists the loops)"))
+        .collect()
 }
 
 /// The options of the run: the command line over the config file over the job file over the defaults.
@@ -151,12 +169,9 @@ fn options(of_job: &JobOptions, args: &MeshArgs) -> Options {
     o
 }
 
-/// Sizes and layers of the command line in place of those of the job. Without new layers, a law or first thickness
-/// of the command line goes to the layers that the job has.
-fn override_job(job: &mut Job, plan: &Plan) {
-    if let Some(h) = plan.args.size {
-        job.size = SizeSpec::Uniform { h };
-    }
+/// Layers of the command line in place of those of the job. Without new layers, a law or first thickness of the
+/// command line goes to the layers that the job has.
+fn override_layers(job: &mut Job, plan: &Plan) {
     if !plan.layers.is_empty() {
         job.layers.clone_from(&plan.layers);
         return;
@@ -171,19 +186,14 @@ fn override_job(job: &mut Job, plan: &Plan) {
     }
 }
 
-/// Where the mesh of job `k` of `n` goes: with several jobs their names are put before the extension.
-fn outputs_of(outputs: &[Output], job: &Job, k: usize, n: usize) -> Vec<Output> {
+/// Where outline `k` of `n` goes: with several, number and name are put before the extension.
+pub(super) fn path_of(path: &Path, name: &str, k: usize, n: usize) -> PathBuf {
     if n == 1 {
-        return outputs.to_vec();
+        return path.to_owned();
     }
-    let safe: String =
-        job.name.chars().map(|c| if c.is_alphanumeric() || c == '-' { c } else { '_' }).collect();
-    let named = |o: &Output| {
-        let extension = o.path.extension().map(|e| e.to_string_lossy().into_owned()).unwrap_or_default();
-        let name = format!("{}_{k}_{safe}.{extension}", files::stem(&o.path));
-        Output { path: o.path.with_file_name(name), format: o.format }
-    };
-    outputs.iter().map(named).collect()
+    let safe: String = name.chars().map(|c| if c.is_alphanumeric() || c == '-' { c } else { '_' }).collect();
+    let extension = path.extension().map(|e| e.to_string_lossy().into_owned()).unwrap_or_default();
+    path.with_file_name(format!("{}_{k}_{safe}.{extension}", files::stem(path)))
 }
 
 /// One job to be meshed.
@@ -259,7 +269,7 @@ pub fn mesh_one(job: &Job, request: &Request<'_>) -> Result<Done, Failure> {
     drop(line);
     let meshed = meshed.map_err(|e| Failure::of_meshing(request.input, &e))?;
     if request.level >= 0 {
-        warn(request.input, &meshed);
+        say::warnings(request.input, &meshed.report.warnings);
     }
     if !request.outputs.is_empty() {
         let cell_data = [scaled_jacobians(&meshed)];
@@ -275,22 +285,12 @@ pub fn mesh_one(job: &Job, request: &Request<'_>) -> Result<Done, Failure> {
 }
 
 /// The size field that the job asks for, to compare the mesh with; `None` if it cannot be built.
-fn size_field(job: &Job, gradation: Option<f64>) -> Option<Arc<dyn SizeField>> {
+pub(super) fn size_field(job: &Job, gradation: Option<f64>) -> Option<Arc<dyn SizeField>> {
     let loops: Vec<Vec<Point2>> = job.domain.loops.iter().map(|l| l.nodes.clone()).collect();
     let points: Vec<(Point2, f64)> = job.domain.points.iter().filter_map(|p| Some((p.xy, p.size?))).collect();
     let tolerance = Tolerance::of_points(loops.iter().flatten().copied());
     let extras = Extras { hard_points: &points, gradation };
     csalf_sizemap::build(&job.size, &loops, &extras, tolerance).ok()
-}
-
-fn warn(input: &str, meshed: &Meshed) {
-    let warnings = &meshed.report.warnings;
-    for w in warnings.iter().take(MAX_WARNINGS) {
-        say::warning(&format!("{input}: {w}"));
-    }
-    if warnings.len() > MAX_WARNINGS {
-        say::warning(&format!("{input}: {} more warnings (--report has all)", warnings.len() - MAX_WARNINGS));
-    }
 }
 
 /// The scaled Jacobian of every element, for viewers.
@@ -303,7 +303,13 @@ fn scaled_jacobians(meshed: &Meshed) -> CellData {
 }
 
 /// Says what was done, and what was not.
-fn finish(plan: &Plan, done: &[Done], mut failures: Vec<Failure>, level: i32) -> Result<(), Failure> {
+fn finish(
+    plan: &Plan,
+    done: &[Done],
+    n_outlines: usize,
+    failures: Vec<Failure>,
+    level: i32,
+) -> Result<(), Failure> {
     if let Some(path) = &plan.args.report {
         let all: Vec<Value> = done.iter().map(|d| Value::Object(d.entries(true))).collect();
         let text = serde_json::to_string_pretty(&all).unwrap_or_default();
@@ -321,11 +327,17 @@ fn finish(plan: &Plan, done: &[Done], mut failures: Vec<Failure>, level: i32) ->
         }
         return Ok(());
     }
-    let first = failures.remove(0);
-    for f in &failures {
-        say::failure(f);
+    several(failures, n_outlines)
+}
+
+/// One failure out of those of `n_outlines` outlines; more than one outline: each is reported here.
+pub(super) fn several(mut failures: Vec<Failure>, n_outlines: usize) -> Result<(), Failure> {
+    if n_outlines == 1 {
+        return failures.pop().map_or(Ok(()), Err);
     }
-    Err(first)
+    let Some(code) = failures.iter().map(Failure::code).max() else { return Ok(()) };
+    failures.iter().for_each(say::failure);
+    Err(Failure::Several { code, n_outlines, errors: failures.iter().map(ToString::to_string).collect() })
 }
 
 /// The entries of one run; of several jobs, sums.
@@ -346,23 +358,4 @@ fn entries_of(done: &[Done]) -> Map<String, Value> {
     m.insert("min_sj".into(), least.into());
     m.insert("n_warnings".into(), sum(&|d| d.meshed.report.warnings.len()));
     m
-}
-
-/// Says what would be done.
-fn dry_run(plan: &Plan, jobs: &[Job], options: &Options) -> Result<(), Failure> {
-    for job in jobs {
-        say::out(&super::info::describe(job))?;
-    }
-    let layers = |l: &(String, LayerSpec)| format!("{} {} {:?}", l.0, l.1.count, l.1.law);
-    for l in &plan.layers {
-        say::out(&format!("  layers by option: {}", layers(l)))?;
-    }
-    say::out(&format!(
-        "method {:?}, preset {:?}, threads {}",
-        options.method, options.preset, options.threads
-    ))?;
-    for o in &plan.outputs {
-        say::out(&format!("would write {} ({})", o.path.display(), o.format.name()))?;
-    }
-    Ok(())
 }

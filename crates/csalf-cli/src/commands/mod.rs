@@ -3,6 +3,7 @@
 pub mod check;
 pub mod completions;
 pub mod demo;
+mod dry_run;
 pub mod info;
 pub mod mesh;
 

@@ -129,3 +129,68 @@ fn a_closed_pipe_is_no_error() {
     assert_eq!(o.status.code(), Some(0), "{}", String::from_utf8_lossy(&o.stderr));
     assert!(o.stderr.is_empty());
 }
+
+/// Two squares, the first with a spike that crosses it, and a name with signs that files do not like.
+const COUNTIES: &str = r#"{"type":"FeatureCollection","features":[
+{"type":"Feature","properties":{"NAME":"Bath/1"},"geometry":{"type":"Polygon",
+ "coordinates":[[[0,0],[2,0],[2,2],[1,-1],[0,2],[0,0]]]}},
+{"type":"Feature","properties":{"NAME":"York"},"geometry":{"type":"Polygon",
+ "coordinates":[[[5,0],[6,0],[7,0],[7,1],[7,2],[6,2],[5,2],[5,0]]]}}]}"#;
+
+#[test]
+fn a_failing_outline_does_not_lose_the_others() {
+    let dir = folder("outlines");
+    fs::write(dir.join("va.geojson"), COUNTIES).unwrap();
+    let r = run(&dir, &["mesh", "va.geojson", "-o", "va.vtu", "--json"]);
+    assert_eq!(r.code, 3, "{}", r.err);
+    assert!(dir.join("va_1_York.vtu").exists() && !dir.join("va_0_Bath_1.vtu").exists());
+    assert!(r.err.contains("a node was added to outer"), "{}", r.err);
+    assert!(r.err.contains("va.geojson (Bath/1): ") && r.err.contains("cross"), "{}", r.err);
+    assert!(r.err.contains("1 of 2 outlines failed"), "{}", r.err);
+    let j = r.json();
+    assert!(j["n_errors"] == 1 && j["errors"][0].as_str().unwrap().contains("Bath/1"), "{j}");
+    let r = run(&dir, &["mesh", "va.geojson", "-o", "va.vtu", "--dry-run"]);
+    assert_eq!(r.code, 3, "{}", r.err);
+    assert!(r.out.contains("about ") && r.out.contains("va_1_York.vtu"), "{}", r.out);
+}
+
+#[test]
+fn curves_are_given_nodes() {
+    let dir = folder("curves");
+    let svg = r#"<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 10 10">
+        <path fill-rule="evenodd" d="M0 0H10V10H0Z M5 3A2 2 0 0 1 5 7A2 2 0 0 1 5 3Z"/></svg>"#;
+    fs::write(dir.join("plate.svg"), svg).unwrap();
+    let r = run(&dir, &["mesh", "plate.svg", "-o", "plate.vtu", "--size", "0.5"]);
+    assert_eq!(r.code, 0, "{}", r.err);
+    let j = run(&dir, &["check", "plate.vtu", "--json", "--min-sj", "0.2"]).json();
+    assert!(j["ok"] == true && (300..700).contains(&j["n_quads"].as_u64().unwrap()), "{j}");
+    let r = run(&dir, &["info", "plate.svg", "--job", "plate.json"]);
+    assert!(r.err.contains("no size given"), "{}", r.err);
+    let j = run(&dir, &["info", "plate.json", "--json"]).json();
+    assert!(j["jobs"][0]["n_loops"] == 2 && j["jobs"][0]["n_segments"].as_u64().unwrap() > 100, "{j}");
+}
+
+#[test]
+fn given_nodes_are_kept_or_placed_anew() {
+    let dir = folder("resample");
+    let n = |args: &[&str]| {
+        let r = run_with_input(&dir, args, &square(4));
+        assert_eq!(r.code, 0, "{}", r.err);
+        r.json()["jobs"][0]["n_segments"].as_u64().unwrap()
+    };
+    assert_eq!(n(&["info", "-", "--json", "--size", "0.5"]), 16);
+    assert_eq!(n(&["info", "-", "--json", "--size", "0.5", "--resample"]), 32);
+    let j = run_with_input(&dir, &["mesh", "-", "--size", "0.5", "--resample", "--json"], &square(4)).json();
+    assert_eq!(j["n_quads"], 64);
+    let dry = run_with_input(&dir, &["mesh", "-", "--size", "0.5", "--dry-run", "--json"], &square(4)).json();
+    assert_eq!(dry["jobs"][0]["expected_quads"], 64);
+}
+
+#[test]
+fn layers_for_nobody_are_a_warning() {
+    let dir = folder("nobody");
+    let r = run_with_input(&dir, &["mesh", "-", "--json", "--layers", "hole*=2,outer=1"], &square(4));
+    assert_eq!(r.code, 0, "{}", r.err);
+    assert!(r.err.contains("layers for 'hole*': nothing has such a name"), "{}", r.err);
+    assert!(!r.err.contains("'outer'"), "{}", r.err);
+}

@@ -8,6 +8,9 @@ use serde::Serialize;
 /// Ratios that count as conforming (both ends belong to it).
 pub const CONFORMING: (f64, f64) = (0.7, 1.4);
 
+/// Least r in logarithms: edges of no length are caught by validity, here they only must not make infinities.
+const SMALLEST: f64 = 1e-12;
+
 /// Figures of r = length / h(midpoint) over the inner edges.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SizeConformity {
@@ -40,8 +43,7 @@ pub(crate) fn conformity(
         }
         let (a, b) = (points[edges.tail(h) as usize], points[edges.head(h) as usize]);
         let r = a.distance(b) / size.h(0.5 * (a + b), &mut hint);
-        // Edges of no length are caught by validity; here they only must not make infinities.
-        let l = r.max(1e-12).ln();
+        let l = r.max(SMALLEST).ln();
         n += 1;
         inside += usize::from(r >= CONFORMING.0 && r <= CONFORMING.1);
         sum += l;
