@@ -80,3 +80,24 @@ pub(crate) fn root() -> PathBuf {
 pub(crate) fn say(line: &str) {
     eprintln!("{line}");
 }
+
+/// What the gate wants of the tree, as tests: no build of their own.
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_house_rules_hold() {
+        assert_eq!(tidy::run(&root()), Ok(()));
+    }
+
+    #[test]
+    fn the_man_pages_are_up_to_date() {
+        assert_eq!(man::run(&root(), true), Ok(()));
+    }
+
+    #[test]
+    fn the_schema_is_up_to_date() {
+        assert_eq!(schema::run(&root(), true), Ok(()));
+    }
+}
