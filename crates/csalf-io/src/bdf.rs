@@ -95,7 +95,9 @@ fn field(x: f64) -> String {
             usize::from(s.trim_start_matches('-').starts_with("0.") && s.trim_start_matches('-').len() > 2),
         )
     };
-    if (1e-4..1e14).contains(&x.abs()) {
+    /// Smaller numbers have more digits with an exponent.
+    const LEAST_PLAIN: f64 = 1e-4;
+    if (LEAST_PLAIN..1e14).contains(&x.abs()) {
         for decimals in (0..=16).rev() {
             let s = trim(&format!("{x:.decimals$}"));
             if s.len() <= WIDTH {

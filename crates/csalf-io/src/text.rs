@@ -78,8 +78,10 @@ pub(crate) struct Num(pub f64);
 impl fmt::Display for Num {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let x = self.0;
+        /// Smaller numbers are shorter with an exponent.
+        const LEAST_PLAIN: f64 = 1e-4;
         // `Debug` of f64 is the shortest text that reads back; it is without a point only as `1e300`.
-        if x == 0.0 || (1e-4..1e15).contains(&x.abs()) {
+        if x == 0.0 || (LEAST_PLAIN..1e15).contains(&x.abs()) {
             return write!(f, "{x:?}");
         }
         let text = format!("{x:e}");

@@ -194,3 +194,30 @@ fn layers_for_nobody_are_a_warning() {
     assert!(r.err.contains("layers for 'hole*': nothing has such a name"), "{}", r.err);
     assert!(!r.err.contains("'outer'"), "{}", r.err);
 }
+
+#[test]
+fn rings_that_touch_nest_or_leave_are_named() {
+    let dir = folder("rings");
+    let outer = "[[0,0],[6,0],[6,6],[0,6],[0,0]]";
+    for (rings, word) in [
+        (format!("{outer},[[0,0],[1,2],[2,2],[2,1],[0,0]]"), "two loops may not touch"),
+        (format!("{outer},[[5,5],[8,5],[8,8],[5,8],[5,5]]"), "cross near (6, 5)"),
+        (format!("{outer},[[8,8],[9,8],[9,9],[8,9],[8,8]]"), "hole0 [0] (8, 8) lies outside"),
+        (
+            format!("{outer},[[1,1],[5,1],[5,5],[1,5],[1,1]],[[2,2],[3,2],[3,3],[2,3],[2,2]]"),
+            "inside the hole hole0",
+        ),
+        ("[[0,0],[2,2],[4,0],[4,4],[2,2],[0,4],[0,0]]".into(), "outer [4] (2, 2) repeats outer [1] (2, 2)"),
+    ] {
+        let text = format!(r#"{{"type":"Polygon","coordinates":[{rings}]}}"#);
+        let r = run_with_input(&dir, &["mesh", "-", "--json"], &text);
+        assert_eq!(r.code, 3, "{rings}: {}", r.err);
+        assert!(r.err.contains(word), "{rings}: {}", r.err);
+    }
+    // An island in a hole is an outline of its own.
+    let text = format!(
+        r#"{{"type":"MultiPolygon","coordinates":[[{outer},[[1,1],[5,1],[5,5],[1,5],[1,1]]],[[[2,2],[3,2],[3,3],[2,3],[2,2]]]]}}"#
+    );
+    let r = run_with_input(&dir, &["mesh", "-", "--json"], &text);
+    assert_eq!((r.code, r.json()["n_jobs"].as_u64()), (0, Some(2)), "{}", r.err);
+}
