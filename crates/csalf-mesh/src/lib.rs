@@ -13,7 +13,7 @@ pub mod quality;
 pub mod topology;
 pub mod validate;
 
-pub use mesher::{Appraisal, Contour, NodeFlags, Patch, Refusal, RegionMesher, RegionTask};
+pub use mesher::{Appraisal, Contour, NodeFlags, Patch, Recipe, Refusal, RegionMesher, RegionTask};
 pub use quad_mesh::{NamedSets, QuadMesh};
 pub use quality::QualityReport;
 pub use topology::QuadTopology;

@@ -140,6 +140,19 @@ pub struct Appraisal {
     pub worst_size_error: f64,
 }
 
+/// How a mesher would fill a contour, in numbers of its own: what [`RegionMesher::foresee`] found, so that
+/// [`RegionMesher::mesh_by`] need not find it again.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct Recipe {
+    /// Known to the mesher alone.
+    pub words: [u32; Self::WORDS],
+}
+
+impl Recipe {
+    /// Size of a recipe.
+    pub const WORDS: usize = 20;
+}
+
 /// Why a mesher did not take a contour. Not an error: another member will.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum Refusal {
@@ -161,6 +174,25 @@ pub trait RegionMesher: Send + Sync + std::fmt::Debug {
 
     /// Cheap forecast of [`Self::mesh`]; `None` if it would surely refuse. Pure.
     fn appraise(&self, task: &RegionTask<'_>) -> Option<Appraisal>;
+
+    /// A guess, cheaper than [`Self::appraise`], of how badly the contour would be filled: 0 is perfect, above 1 it is
+    /// hardly worth a try; `None` if the mesher would surely refuse. For ranking only. Pure.
+    fn glance(&self, task: &RegionTask<'_>) -> Option<f64> {
+        self.appraise(task).map(|a| 1.0 - a.mean_sj)
+    }
+
+    /// [`Self::appraise`] with the way to do it. Pure.
+    fn foresee(&self, task: &RegionTask<'_>) -> Option<(Appraisal, Recipe)> {
+        self.appraise(task).map(|a| (a, Recipe::default()))
+    }
+
+    /// [`Self::mesh`] after [`Self::foresee`] of the same contour gave this recipe: mostly the same, but cheaper.
+    ///
+    /// # Errors
+    /// As [`Self::mesh`].
+    fn mesh_by(&self, task: &RegionTask<'_>, _recipe: &Recipe) -> Result<Patch, Refusal> {
+        self.mesh(task)
+    }
 
     /// One step. The quads and children of the patch cover the contour exactly, every contour segment belongs to
     /// exactly one of them, all quads are strictly convex, all children have even length and are smaller than the

@@ -21,7 +21,7 @@ use crate::split::{LADDER, Split, SplitRules, Splitter, place};
 use crate::view::{Nodes, View};
 use csalf_geom::angle::interior_angle;
 use csalf_geom::{Point2, Tolerance};
-use csalf_mesh::{Appraisal, Contour, NodeFlags, Patch, Refusal, RegionMesher, RegionTask};
+use csalf_mesh::{Appraisal, Contour, NodeFlags, Patch, Recipe, Refusal, RegionMesher, RegionTask};
 use csalf_sizemap::{Hint, SizeField};
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::sync::Arc;
@@ -59,6 +59,14 @@ const LOOKAHEAD_SIZES: std::ops::RangeInclusive<usize> = 10..=2000;
 
 /// Score of a child that no companion takes (handbook 4.6).
 const NO_PATTERN: f64 = 1.2;
+
+/// Splits that are fully appraised. More: better choices; an appraisal costs several times a glance.
+const FINALISTS: usize = 3;
+
+/// What even a good child costs: glances count from here on, to be comparable with full appraisals.
+const GLANCE_BASE: f64 = 0.15;
+/// What a unit of misfit at a glance counts: larger trusts glances more against Φ.
+const GLANCE_WEIGHT: f64 = 0.5;
 
 /// Scaled Jacobian of a closure stencil that is taken before anything else is tried.
 const GOOD_CLOSURE: f64 = 0.3;
@@ -120,6 +128,29 @@ impl RegionMesher for Subdivision {
     }
 }
 
+/// What is known of a waiting contour.
+#[derive(Clone, Copy, Debug)]
+enum Forecast {
+    Unknown,
+    /// All companions refuse it.
+    Nobody,
+    /// This companion takes it.
+    By(usize, Recipe),
+}
+
+/// A waiting contour: where it starts on the stack.
+#[derive(Clone, Copy, Debug)]
+struct Frame {
+    start: usize,
+    forecast: Forecast,
+}
+
+impl Frame {
+    fn new(start: usize) -> Self {
+        Self { start, forecast: Forecast::Unknown }
+    }
+}
+
 /// One run over one task.
 struct Recursion<'a> {
     rules: &'a SplitRules,
@@ -132,13 +163,18 @@ struct Recursion<'a> {
     nodes: Nodes,
     /// Contours waiting, the top one last, back to back.
     stack: Vec<u32>,
-    frames: Vec<usize>,
+    frames: Vec<Frame>,
     quads: Vec<[u32; 4]>,
     children: Vec<Vec<u32>>,
     view: View,
     splitter: Splitter,
     scratch: Contour,
     line: Vec<u32>,
+    child: Vec<u32>,
+    /// Splits by glance.
+    order: Vec<(f64, u32)>,
+    /// What the lookahead knows of the children of the split that was chosen.
+    forecast: [Forecast; 2],
     hint: Hint,
     tally: Tally,
 }
@@ -170,13 +206,16 @@ impl<'a> Recursion<'a> {
             n_ring: n as u32,
             nodes,
             stack: node_of,
-            frames: vec![0],
+            frames: vec![Frame::new(0)],
             quads: Vec::new(),
             children: Vec::new(),
             view: View::default(),
             splitter: Splitter::default(),
             scratch: Contour::default(),
             line: Vec::new(),
+            child: Vec::new(),
+            order: Vec::new(),
+            forecast: [Forecast::Unknown; 2],
             hint: Hint::default(),
             tally: Tally::default(),
         }
@@ -184,22 +223,22 @@ impl<'a> Recursion<'a> {
 
     fn fill(&mut self) {
         let mut contour = Vec::new();
-        while let Some(start) = self.frames.pop() {
+        while let Some(Frame { start, forecast }) = self.frames.pop() {
             contour.clear();
             contour.extend_from_slice(&self.stack[start..]);
             self.stack.truncate(start);
-            self.fill_one(&contour);
+            self.fill_one(&contour, forecast);
         }
     }
 
     /// Steps 2 to 5 for one contour; children go onto the stack.
-    fn fill_one(&mut self, contour: &[u32]) {
+    fn fill_one(&mut self, contour: &[u32], forecast: Forecast) {
         let n = contour.len();
         if n <= 8 && self.close(contour, GOOD_CLOSURE) {
             return;
         }
         if n > 4 {
-            if self.ask_companions(contour) {
+            if self.ask_companions(contour, forecast) {
                 self.tally.companions += 1;
                 return;
             }
@@ -249,14 +288,18 @@ impl<'a> Recursion<'a> {
         load(&mut self.scratch, contour, &self.nodes);
     }
 
-    fn ask_companions(&mut self, contour: &[u32]) -> bool {
-        if self.companions.is_empty() {
+    fn ask_companions(&mut self, contour: &[u32], forecast: Forecast) -> bool {
+        if self.companions.is_empty() || matches!(forecast, Forecast::Nobody) {
             return false;
         }
         self.load_scratch(contour);
-        for companion in self.companions {
+        for (k, companion) in self.companions.iter().enumerate() {
             let task = RegionTask { contour: &self.scratch, size: self.size, tolerance: self.tolerance };
-            if let Ok(patch) = companion.mesh(&task) {
+            let filled = match &forecast {
+                Forecast::By(by, recipe) if *by == k => companion.mesh_by(&task, recipe),
+                _ => companion.mesh(&task),
+            };
+            if let Ok(patch) = filled {
                 self.take(contour, &patch);
                 return true;
             }
@@ -275,7 +318,7 @@ impl<'a> Recursion<'a> {
         let node = |name: u32| if name < n { contour[name as usize] } else { base + name - n };
         self.quads.extend(patch.quads.iter().map(|q| q.map(node)));
         for child in patch.children.iter().rev() {
-            self.frames.push(self.stack.len());
+            self.frames.push(Frame::new(self.stack.len()));
             self.stack.extend(child.iter().map(|&name| node(name)));
         }
     }
@@ -291,9 +334,9 @@ impl<'a> Recursion<'a> {
             let mut line = std::mem::take(&mut self.line);
             place(&self.view, &best, &mut self.nodes, self.size, &mut self.hint, &mut line);
             self.tally.splits += 1;
-            self.frames.push(self.stack.len());
+            self.frames.push(Frame { start: self.stack.len(), forecast: self.forecast[1] });
             right_child(contour, &best, &line, &mut self.stack);
-            self.frames.push(self.stack.len());
+            self.frames.push(Frame { start: self.stack.len(), forecast: self.forecast[0] });
             left_child(contour, &best, &line, &mut self.stack);
             self.line = line;
             return true;
@@ -301,53 +344,115 @@ impl<'a> Recursion<'a> {
         false
     }
 
-    /// The best of the splits found, by lookahead if there are several.
+    /// The best of the splits found, by lookahead if there are several; writes the lines of both children to
+    /// `self.forecast`. First a glance at the children of all, then a full appraisal of the best few.
     fn choose(&mut self) -> Option<Split> {
+        self.forecast = [Forecast::Unknown; 2];
         if self.splitter.found.len() < 2 {
             return self.splitter.found.first().copied();
         }
         let found = std::mem::take(&mut self.splitter.found);
         let contour = std::mem::take(&mut self.view.node);
-        let (mut line, mut child) = (std::mem::take(&mut self.line), Vec::new());
+        let mut order = std::mem::take(&mut self.order);
+        order.clear();
+        for (k, split) in found.iter().enumerate() {
+            let glance = self.both(&contour, split, f64::INFINITY, &mut |r, child, _| r.glance(child));
+            order.push((glance, k as u32));
+        }
+        order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let mut best: Option<(f64, Split)> = None;
-        let mark = self.nodes.points.len();
-        for &split in &found {
-            place(&self.view, &split, &mut self.nodes, self.size, &mut self.hint, &mut line);
-            let total = (contour.len() + 2 * split.segments) as f64;
-            child.clear();
-            left_child(&contour, &split, &line, &mut child);
-            let mut score = split.phi + child.len() as f64 / total * self.outlook(&child);
-            child.clear();
-            right_child(&contour, &split, &line, &mut child);
-            score += child.len() as f64 / total * self.outlook(&child);
-            self.nodes.truncate(mark);
-            if best.is_none_or(|b| score < b.0) {
-                best = Some((score, split));
+        for &(_, k) in order.iter().take(FINALISTS) {
+            let split = &found[k as usize];
+            let bar = best.map_or(f64::INFINITY, |b| b.0);
+            let mut forecast = [Forecast::Unknown; 2];
+            let score = self.both(&contour, split, bar, &mut |r, child, side| {
+                let (score, f) = r.outlook(child);
+                forecast[side] = f;
+                score
+            });
+            if score < bar {
+                best = Some((score, *split));
+                self.forecast = forecast;
             }
         }
-        (self.splitter.found, self.view.node, self.line) = (found, contour, line);
+        (self.splitter.found, self.view.node, self.order) = (found, contour, order);
         best.map(|b| b.1)
     }
 
-    /// How badly a child is expected to be filled: 0 perfect, [`NO_PATTERN`] if no companion takes it.
-    fn outlook(&mut self, contour: &[u32]) -> f64 {
+    /// Φ of a split and what `judge` thinks of its children (left 0, right 1), by their share of nodes; stops at the
+    /// first child if that reaches `bar`.
+    fn both(
+        &mut self,
+        contour: &[u32],
+        split: &Split,
+        bar: f64,
+        judge: &mut dyn FnMut(&mut Self, &[u32], usize) -> f64,
+    ) -> f64 {
+        let mark = self.nodes.points.len();
+        let (mut line, mut child) = (std::mem::take(&mut self.line), std::mem::take(&mut self.child));
+        place(&self.view, split, &mut self.nodes, self.size, &mut self.hint, &mut line);
+        let total = (contour.len() + 2 * split.segments) as f64;
+        let mut score = split.phi;
+        for side in 0..2 {
+            if score >= bar {
+                break;
+            }
+            child.clear();
+            if side == 0 {
+                left_child(contour, split, &line, &mut child);
+            } else {
+                right_child(contour, split, &line, &mut child);
+            }
+            score += child.len() as f64 / total * judge(self, &child, side);
+        }
+        self.nodes.truncate(mark);
+        (self.line, self.child) = (line, child);
+        score
+    }
+
+    /// A guess of [`Self::outlook`].
+    fn glance(&mut self, contour: &[u32]) -> f64 {
         if contour.len() == 4 {
-            let q = [0, 1, 2, 3].map(|i| self.nodes.points[contour[i] as usize]);
-            return 1.3 * (1.0 - csalf_mesh::quality::scaled_jacobian::value(&q));
+            return self.single_quad(contour);
+        }
+        self.load_scratch(contour);
+        let task = RegionTask { contour: &self.scratch, size: self.size, tolerance: self.tolerance };
+        let least = self.companions.iter().filter_map(|c| c.glance(&task)).fold(f64::INFINITY, f64::min);
+        (GLANCE_BASE + GLANCE_WEIGHT * least).min(NO_PATTERN)
+    }
+
+    /// How badly a contour of four nodes is filled by the one quad.
+    fn single_quad(&self, contour: &[u32]) -> f64 {
+        let q = [0, 1, 2, 3].map(|i| self.nodes.points[contour[i] as usize]);
+        1.3 * (1.0 - csalf_mesh::quality::scaled_jacobian::value(&q))
+    }
+
+    /// How badly a child is expected to be filled: 0 perfect, [`NO_PATTERN`] if no companion takes it; and by whom.
+    fn outlook(&mut self, contour: &[u32]) -> (f64, Forecast) {
+        if contour.len() == 4 {
+            return (self.single_quad(contour), Forecast::Unknown);
         }
         self.load_scratch(contour);
         let task = RegionTask { contour: &self.scratch, size: self.size, tolerance: self.tolerance };
         let score =
             |a: Appraisal| 3.0 * ((1.0 - a.mean_sj) + 0.3 * (1.0 - a.min_sj) + 0.02 * a.n_irregular as f64);
-        self.companions.iter().filter_map(|c| c.appraise(&task)).map(score).fold(NO_PATTERN, f64::min)
+        let mut best = (NO_PATTERN, Forecast::Nobody);
+        // The first that does not refuse will fill it.
+        for (k, c) in self.companions.iter().enumerate() {
+            if let Some((appraisal, recipe)) = c.foresee(&task) {
+                best = (score(appraisal).min(NO_PATTERN), Forecast::By(k, recipe));
+                break;
+            }
+        }
+        best
     }
 
     fn split_once(&mut self) {
         let contour = std::mem::take(&mut self.stack);
         self.frames.clear();
         if self.split(&contour) {
-            let right = self.stack[..self.frames[1]].to_vec();
-            let left = self.stack[self.frames[1]..].to_vec();
+            let right = self.stack[..self.frames[1].start].to_vec();
+            let left = self.stack[self.frames[1].start..].to_vec();
             self.children.extend([left, right]);
         } else {
             self.fall_back(&contour);

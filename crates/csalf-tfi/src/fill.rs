@@ -230,9 +230,11 @@ fn space(a: Point2, b: Point2, m: u32, size: &dyn SizeField, hint: &mut Hint, ou
     let k = 1.0 / f64::from(m);
     // With h linear along the edge, nodes are at (q^(i/m) - 1) / (q - 1).
     let even = (q - 1.0).abs() < 0.01;
+    let ratio = if even { 1.0 } else { q.powf(k) };
+    let mut power = 1.0;
     for i in 1..m {
-        let t = f64::from(i) * k;
-        let t = if even { t } else { (q.powf(t) - 1.0) / (q - 1.0) };
+        power *= ratio;
+        let t = if even { f64::from(i) * k } else { (power - 1.0) / (q - 1.0) };
         out.push(a.lerp(b, t));
     }
 }

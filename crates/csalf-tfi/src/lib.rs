@@ -4,6 +4,7 @@
 pub mod coons;
 pub mod corners;
 pub mod fill;
+mod local_size;
 pub mod pattern;
 pub mod plan;
 pub mod quality;

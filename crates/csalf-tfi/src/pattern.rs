@@ -74,6 +74,8 @@ pub struct Pattern {
     pub n_chords: usize,
     /// Number of inner vertices whose valence is not 4.
     pub n_irregular: usize,
+    /// True if turning it by one side gives the pattern again.
+    pub symmetric: bool,
     /// How often each chord ends on each side.
     pub by_side: Vec<[u8; MAX_CHORDS]>,
     rows: Vec<Row>,
@@ -172,12 +174,14 @@ impl Pattern {
             chord,
             n_chords,
             n_irregular,
+            symmetric: false,
             by_side,
             rows: Vec::new(),
             conditions: Vec::new(),
             free: Vec::new(),
         };
         out.reduce();
+        out.symmetric = out.is_rotation_of(&out, out.sides.get(1).map_or(0, |&s| s as usize));
         out
     }
 

@@ -15,12 +15,13 @@
 
 use crate::corners::{Interpretation, Survey, along};
 use crate::fill::{Filler, tutte};
+use crate::local_size::LocalSize;
 use crate::pattern::{Chords, MAX_CHORDS, MAX_SIDES, MAX_VERTICES, Pattern};
-use crate::quality::{fit, shape};
+use crate::quality::{fit, rough_ln, shape};
 use crate::rules::{TfiMode, TfiRules};
 use crate::table::patterns;
 use csalf_geom::Point2;
-use csalf_mesh::{Appraisal, RegionTask};
+use csalf_mesh::{Appraisal, Recipe, RegionTask};
 use csalf_sizemap::Hint;
 
 /// Subdivisions of a chord in a coarse trial, if its sides are straight; curved ones get more.
@@ -38,6 +39,8 @@ const COST_GAP: f64 = 0.8;
 const MAX_INTERPRETATIONS: usize = 6;
 /// Most coarse trials.
 const MAX_TRIALS: usize = 5;
+/// Most plans whose chords are improved by descent.
+const MAX_DESCENTS: usize = 8;
 /// A plan is not tried if a good one is better by this much in the forecast.
 const GAP: f64 = 0.15;
 /// Most chord solutions that are forecast per pattern and rotation.
@@ -63,6 +66,57 @@ pub struct Plan {
 }
 
 impl Plan {
+    /// The plan as a [`Recipe`].
+    pub fn recipe(&self) -> Recipe {
+        let mut words = [0; Recipe::WORDS];
+        let k = patterns(self.pattern.n_corners).iter().position(|p| std::ptr::eq(p, self.pattern));
+        words[0] = self.pattern.n_corners as u32;
+        words[1] = k.map_or(u32::MAX, |k| k as u32);
+        words[2] = self.start;
+        words[3] = (self.sharpest as f32).to_bits();
+        words[4..4 + MAX_CHORDS].copy_from_slice(&self.x);
+        Recipe { words }
+    }
+
+    /// The plan of a recipe, without its forecast; `None` if the recipe was not made by [`Self::recipe`].
+    pub fn of_recipe(recipe: &Recipe) -> Option<Self> {
+        let w = &recipe.words;
+        let pattern = patterns(w[0] as usize).get(w[1] as usize)?;
+        let mut x = [0; MAX_CHORDS];
+        x.copy_from_slice(&w[4..4 + MAX_CHORDS]);
+        let unknown = Appraisal {
+            min_sj: -1.0,
+            mean_sj: -1.0,
+            n_irregular: pattern.n_irregular as u32,
+            n_quads: pattern.n_quads(&x) as u32,
+            size_error: f64::MAX,
+            worst_size_error: f64::MAX,
+        };
+        let sharpest = f64::from(f32::from_bits(w[3]));
+        Some(Self {
+            pattern,
+            x,
+            start: w[2],
+            sharpest,
+            misfit: 0.0,
+            edge_misfit: f64::MAX,
+            appraisal: unknown,
+        })
+    }
+
+    /// Number of ring nodes that the plan fits.
+    fn ring(&self) -> usize {
+        let p = self.pattern;
+        p.chord[..p.n_boundary].iter().map(|&c| self.x[c as usize] as usize).sum()
+    }
+
+    /// True if the plan fits a contour of `n` nodes.
+    pub fn fits(&self, n: usize) -> bool {
+        self.ring() == n
+            && (self.start as usize) < n
+            && self.x[..self.pattern.n_chords].iter().all(|&x| x > 0)
+    }
+
     /// Handbook 5.6, with a term for the lengths of the edges, by which rings and splits are chosen:
     /// mean SJ + 0.5 min SJ - 0.1 ln(largest size error) - 0.3 rms ln(edge/h) - 0.02 per irregular vertex.
     pub fn score(&self) -> f64 {
@@ -89,16 +143,45 @@ impl Plan {
     }
 }
 
-/// All plans worth a thought, best first by score.
-pub fn plans(task: &RegionTask<'_>, rules: &TfiRules, filler: &mut Filler) -> Vec<Plan> {
-    let c = task.contour;
-    let n = c.len();
-    let Some(survey) = Survey::new(c, rules.reflex) else { return Vec::new() };
-    let paper = rules.mode == TfiMode::Paper;
-    if paper && !survey.convex {
-        return Vec::new();
+/// Interpretations worth a match, best first.
+type Choices = [Option<Interpretation>; MAX_INTERPRETATIONS];
+
+/// A plan before its trial.
+#[derive(Clone, Debug)]
+struct Draft {
+    plan: Plan,
+    /// Side lengths in the order of the pattern.
+    sides: [u32; MAX_SIDES],
+    n_sides: usize,
+    /// The chords may still be improved by descent.
+    rough: bool,
+    /// The part of the misfit that does not come from [`forecast`].
+    fixed: f64,
+    /// The misfit is `fixed` alone.
+    flat: bool,
+}
+
+impl Draft {
+    /// Improves the chords, if that was not done.
+    fn descend(&mut self, task: &RegionTask<'_>) {
+        if !std::mem::take(&mut self.rough) {
+            return;
+        }
+        let longest = self.sides.iter().copied().max().unwrap_or(1);
+        let (pattern, start) = (self.plan.pattern, self.plan.start);
+        let cost = &mut |x: &Chords| forecast(task, pattern, x, start);
+        let misfit = pattern.descend(&self.sides[..self.n_sides], &mut self.plan.x, longest / 16, cost);
+        self.plan.misfit = if self.flat { self.fixed } else { self.fixed + misfit };
+        self.plan.appraisal.n_quads = pattern.n_quads(&self.plan.x) as u32;
     }
-    let mut best: [Option<Interpretation>; MAX_INTERPRETATIONS] = [None; MAX_INTERPRETATIONS];
+}
+
+fn choices(survey: &Survey, rules: &TfiRules, n: usize) -> Choices {
+    let paper = rules.mode == TfiMode::Paper;
+    let mut best: Choices = [None; MAX_INTERPRETATIONS];
+    if paper && !survey.convex {
+        return best;
+    }
     survey.interpretations(n, &mut |i| {
         let ranked = |i: &Interpretation| i.cost + 0.25 * (i.n as f64 - 4.0).abs();
         if paper && i.n != 4 {
@@ -114,21 +197,68 @@ pub fn plans(task: &RegionTask<'_>, rules: &TfiRules, filler: &mut Filler) -> Ve
     for b in &mut best {
         b.take_if(|i| i.cost > least + COST_GAP);
     }
+    best
+}
+
+/// Step 3 for the patterns of one of the two stages.
+fn drafts(
+    task: &RegionTask<'_>,
+    rules: &TfiRules,
+    survey: &Survey,
+    best: &Choices,
+    extra: bool,
+) -> Vec<Draft> {
+    let mut found = Vec::new();
+    for i in best.iter().flatten() {
+        if i.n > 0 {
+            match_patterns(task, rules, i, extra, &mut found);
+        } else if !extra && survey.concave < MAX_CONCAVE {
+            disks(task, rules, i, &mut found);
+        }
+    }
+    found
+}
+
+/// The task with a size field that is cheap to ask, if the contour allows.
+macro_rules! with_local_size {
+    ($task:ident) => {
+        let local =
+            if $task.size.constant().is_none() { LocalSize::of($task.contour, $task.size) } else { None };
+        // Forecasts ask for many sizes: a parabola is enough where it fits.
+        let $task = &match &local {
+            Some(local) => RegionTask { size: local, ..*$task },
+            None => *$task,
+        };
+    };
+}
+
+/// Smallest forecast misfit of a plan for the contour, without any trial; `None` if there is no plan.
+pub fn least_misfit(task: &RegionTask<'_>, rules: &TfiRules) -> Option<f64> {
+    let survey = Survey::new(task.contour, rules.reflex)?;
+    with_local_size!(task);
+    let best = choices(&survey, rules, task.contour.len());
+    [false, true].into_iter().find_map(|extra| {
+        let found = drafts(task, rules, &survey, &best, extra);
+        found.iter().map(|d| d.plan.misfit).min_by(f64::total_cmp)
+    })
+}
+
+/// All plans worth a thought, best first by score.
+pub fn plans(task: &RegionTask<'_>, rules: &TfiRules, filler: &mut Filler) -> Vec<Plan> {
+    let c = task.contour;
+    let Some(survey) = Survey::new(c, rules.reflex) else { return Vec::new() };
+    with_local_size!(task);
+    let best = choices(&survey, rules, c.len());
     let bends = cumulative_bends(&c.points);
     let mut tried: Vec<Plan> = Vec::new();
-    let mut found: Vec<Plan> = Vec::new();
     for extra in [false, true] {
-        found.clear();
-        for i in best.iter().flatten() {
-            if i.n > 0 {
-                match_patterns(task, rules, i, extra, &mut found);
-            } else if !extra && survey.concave < MAX_CONCAVE {
-                disks(task, rules, i, &mut found);
-            }
-        }
-        found.sort_by(|a, b| a.misfit.total_cmp(&b.misfit));
+        let mut found = drafts(task, rules, &survey, &best, extra);
+        found.sort_by(|a, b| a.plan.misfit.total_cmp(&b.plan.misfit));
+        found.truncate(MAX_DESCENTS);
+        found.iter_mut().for_each(|d| d.descend(task));
+        found.sort_by(|a, b| a.plan.misfit.total_cmp(&b.plan.misfit));
         found.truncate(MAX_TRIALS);
-        for mut p in found.drain(..) {
+        for Draft { plan: mut p, .. } in found {
             // The forecast ranks well, but not within small differences.
             if tried.iter().any(|t| t.good() && t.misfit + GAP < p.misfit) {
                 break;
@@ -148,7 +278,7 @@ pub fn plans(task: &RegionTask<'_>, rules: &TfiRules, filler: &mut Filler) -> Ve
 /// nodes of the contour are moved afterwards.
 pub fn given_plans(task: &RegionTask<'_>, rules: &TfiRules) -> Vec<Plan> {
     let mut found = Vec::new();
-    let Some(i) = Interpretation::given(&task.contour.wanted) else { return found };
+    let Some(i) = Interpretation::given(&task.contour.wanted) else { return Vec::new() };
     for extra in [false, true] {
         if i.n > 0 {
             match_patterns(task, rules, &i, extra, &mut found);
@@ -159,6 +289,8 @@ pub fn given_plans(task: &RegionTask<'_>, rules: &TfiRules) -> Vec<Plan> {
             break;
         }
     }
+    found.iter_mut().for_each(|d| d.descend(task));
+    let mut found: Vec<Plan> = found.into_iter().map(|d| d.plan).collect();
     found.sort_by(|a, b| a.misfit.total_cmp(&b.misfit));
     found
 }
@@ -168,7 +300,7 @@ fn match_patterns(
     rules: &TfiRules,
     i: &Interpretation,
     extra: bool,
-    found: &mut Vec<Plan>,
+    found: &mut Vec<Draft>,
 ) {
     let n = task.contour.len();
     let sides = i.sides(n);
@@ -180,11 +312,7 @@ fn match_patterns(
         if (pattern.n_irregular > i.n.abs_diff(4).max(if i.n == 4 { 2 } else { 0 })) != extra {
             continue;
         }
-        let turns = if pattern.is_rotation_of(pattern, pattern.sides.get(1).map_or(0, |&s| s as usize)) {
-            1
-        } else {
-            i.n
-        };
+        let turns = if pattern.symmetric { 1 } else { i.n };
         for r in 0..turns {
             let mut s = [0; MAX_SIDES];
             (0..i.n).for_each(|k| s[k] = sides[(k + r) % i.n]);
@@ -194,7 +322,7 @@ fn match_patterns(
 }
 
 /// The disk pattern has no corners: its centre block may be turned and have any proportion.
-fn disks(task: &RegionTask<'_>, rules: &TfiRules, i: &Interpretation, found: &mut Vec<Plan>) {
+fn disks(task: &RegionTask<'_>, rules: &TfiRules, i: &Interpretation, found: &mut Vec<Draft>) {
     let n = task.contour.len() as u32;
     if n < 4 || rules.mode == TfiMode::Paper {
         return;
@@ -228,7 +356,10 @@ fn disks(task: &RegionTask<'_>, rules: &TfiRules, i: &Interpretation, found: &mu
             for m in [1, rings.div_ceil(2), rings] {
                 let first = found.len();
                 collect(task, rules, pattern, &[a, half - a, a, half - a], o, m, i, found);
-                found[first..].iter_mut().for_each(|p| p.misfit = i.cost + 0.4 + cost + 0.01 * f64::from(m));
+                let misfit = i.cost + 0.4 + cost + 0.01 * f64::from(m);
+                for d in &mut found[first..] {
+                    (d.plan.misfit, d.fixed, d.flat) = (misfit, misfit, true);
+                }
             }
         }
     }
@@ -245,45 +376,53 @@ fn collect(
     start: u32,
     closed: u32,
     i: &Interpretation,
-    found: &mut Vec<Plan>,
+    found: &mut Vec<Draft>,
 ) {
     let mut best: Option<(f64, Chords)> = None;
-    let mut even: Option<(f64, Chords)> = None;
+    let mut even: Option<(f64, f64, Chords)> = None;
     pattern.solve(sides, closed, MAX_SOLUTIONS, &mut |x| {
         let f = forecast(task, pattern, x, start);
         if best.is_none_or(|(c, _)| f < c) {
             best = Some((f, *x));
         }
         // The irregular vertices are farthest from each other and from the boundary.
-        let f = f + x[..pattern.n_chords].iter().map(|&x| 1.0 / f64::from(x)).sum::<f64>();
-        if even.is_none_or(|(c, _)| f < c) {
-            even = Some((f, *x));
+        let spread = f + x[..pattern.n_chords].iter().map(|&x| 1.0 / f64::from(x)).sum::<f64>();
+        if even.is_none_or(|(c, _, _)| spread < c) {
+            even = Some((spread, f, *x));
         }
     });
-    let (Some((_, mut x)), Some((_, even))) = (best, even) else { return };
-    let longest = sides.iter().copied().max().unwrap_or(1);
-    let misfit = pattern.descend(sides, &mut x, longest / 16, &mut |x| forecast(task, pattern, x, start));
-    let second = (x != even).then(|| (even, forecast(task, pattern, &even, start)));
-    for (x, misfit) in [Some((x, misfit)), second].into_iter().flatten() {
+    let (Some((misfit, x)), Some((_, even_misfit, even))) = (best, even) else { return };
+    let second = (x != even).then_some((even, even_misfit, false));
+    for (x, misfit, rough) in [Some((x, misfit, true)), second].into_iter().flatten() {
         let n_quads = pattern.n_quads(&x);
         if n_quads > rules.most_quads {
             continue;
         }
-        found.push(Plan {
-            pattern,
-            x,
-            start,
-            sharpest: i.sharpest,
-            misfit: i.cost + 0.1 * pattern.n_irregular as f64 + misfit,
-            edge_misfit: f64::MAX,
-            appraisal: Appraisal {
-                min_sj: -1.0,
-                mean_sj: -1.0,
-                n_irregular: pattern.n_irregular as u32,
-                n_quads: n_quads as u32,
-                size_error: f64::MAX,
-                worst_size_error: f64::MAX,
+        let fixed = i.cost + 0.1 * pattern.n_irregular as f64;
+        let mut list = [0; MAX_SIDES];
+        list[..sides.len()].copy_from_slice(sides);
+        found.push(Draft {
+            plan: Plan {
+                pattern,
+                x,
+                start,
+                sharpest: i.sharpest,
+                misfit: fixed + misfit,
+                edge_misfit: f64::MAX,
+                appraisal: Appraisal {
+                    min_sj: -1.0,
+                    mean_sj: -1.0,
+                    n_irregular: pattern.n_irregular as u32,
+                    n_quads: n_quads as u32,
+                    size_error: f64::MAX,
+                    worst_size_error: f64::MAX,
+                },
             },
+            sides: list,
+            n_sides: sides.len(),
+            rough,
+            fixed,
+            flat: false,
         });
     }
 }
@@ -310,7 +449,7 @@ fn forecast(task: &RegionTask<'_>, pattern: &Pattern, x: &Chords, start: u32) ->
         let [a, b] = pattern.edges[e].map(|v| xy[v as usize]);
         let m = f64::from(x[pattern.chord[e] as usize]);
         let h = task.size.h(a.midpoint(b), &mut hint);
-        let r = (a.distance(b).max(f64::MIN_POSITIVE) / (m * h)).ln();
+        let r = rough_ln(a.distance(b).max(f64::MIN_POSITIVE) / (m * h));
         sum += r * r;
         weight += 1.0;
     }

@@ -79,12 +79,12 @@ pub fn fit(
             Some(h) => h,
             None => size.h((p[0] + p[1] + p[2] + p[3]) * 0.25, &mut hint),
         };
-        let r = (area.max(f64::MIN_POSITIVE) / (h * h)).ln().abs() * 0.5;
+        let r = rough_ln(area.max(f64::MIN_POSITIVE) / (h * h)).abs() * 0.5;
         sum += r;
         worst = worst.max(r);
         for k in 0..2 {
             let l = p[k].distance(p[k + 1]) + p[k + 2].distance(p[(k + 3) % 4]);
-            let e = (l.max(f64::MIN_POSITIVE) / (2.0 * h * f[k])).ln();
+            let e = rough_ln(l.max(f64::MIN_POSITIVE) / (2.0 * h * f[k]));
             edges += 0.5 * e * e;
         }
         count += 1.0;
@@ -93,4 +93,31 @@ pub fn fit(
         return Fit { mean: 1.0, worst: 1.0, edges: 0.0 };
     }
     Fit { mean: (sum / count).exp(), worst: worst.exp(), edges: (edges / count).sqrt() }
+}
+
+/// ln of a normal positive number to within 1e-7: several times as fast as a call of the library.
+#[inline]
+pub fn rough_ln(x: f64) -> f64 {
+    use std::f64::consts::{LN_2, SQRT_2};
+    let bits = x.to_bits();
+    let exponent = (bits >> 52) as f64 - 1023.0;
+    let m = f64::from_bits(bits & ((1 << 52) - 1) | 1023 << 52);
+    // ln m = ln √2 + 2 artanh t, |t| <= 0.172.
+    let t = (m - SQRT_2) / (m + SQRT_2);
+    let s = t * t;
+    exponent * LN_2 + 0.5 * LN_2 + 2.0 * t * (1.0 + s * (1.0 / 3.0 + s * (0.2 + s * (1.0 / 7.0))))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::rough_ln;
+
+    #[test]
+    fn rough_logarithms_are_close() {
+        for i in -3000..3000 {
+            let x = (f64::from(i) * 0.05).exp();
+            assert!((rough_ln(x) - x.ln()).abs() < 1e-7, "{x}");
+        }
+        assert!((rough_ln(f64::MIN_POSITIVE) - f64::MIN_POSITIVE.ln()).abs() < 1e-6);
+    }
 }

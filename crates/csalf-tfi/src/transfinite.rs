@@ -1,10 +1,10 @@
 //! The member of the triad that finishes contours: transfinite interpolation and its patterns.
 
 use crate::fill::Filler;
-use crate::plan::{Plan, given_plans, plans};
+use crate::plan::{Plan, given_plans, least_misfit, plans};
 use crate::quality::{fit, shape};
 use crate::rules::{TfiMode, TfiRules};
-use csalf_mesh::{Appraisal, Contour, Patch, Refusal, RegionMesher, RegionTask};
+use csalf_mesh::{Appraisal, Contour, Patch, Recipe, Refusal, RegionMesher, RegionTask};
 use csalf_sizemap::{Hint, esg::extremum_size_gradient};
 use std::cell::RefCell;
 
@@ -135,6 +135,28 @@ impl RegionMesher for Transfinite {
     fn appraise(&self, task: &RegionTask<'_>) -> Option<Appraisal> {
         let n = task.contour.len();
         self.plans(task).iter().find(|p| p.accepted(&self.rules, n, SLACK)).map(|p| p.appraisal)
+    }
+
+    fn glance(&self, task: &RegionTask<'_>) -> Option<f64> {
+        if self.rules.mode == TfiMode::Paper {
+            return self.appraise(task).map(|a| 1.0 - a.mean_sj);
+        }
+        least_misfit(task, &self.rules)
+    }
+
+    fn foresee(&self, task: &RegionTask<'_>) -> Option<(Appraisal, Recipe)> {
+        let n = task.contour.len();
+        let plans = self.plans(task);
+        plans.iter().find(|p| p.accepted(&self.rules, n, SLACK)).map(|p| (p.appraisal, p.recipe()))
+    }
+
+    fn mesh_by(&self, task: &RegionTask<'_>, recipe: &Recipe) -> Result<Patch, Refusal> {
+        match Plan::of_recipe(recipe) {
+            Some(plan) if plan.fits(task.contour.len()) && task.contour.wanted.is_empty() => {
+                self.fill(task, &plan).or_else(|_| self.mesh(task))
+            }
+            _ => self.mesh(task),
+        }
     }
 
     fn mesh(&self, task: &RegionTask<'_>) -> Result<Patch, Refusal> {

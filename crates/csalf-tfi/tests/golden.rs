@@ -166,3 +166,31 @@ proptest::proptest! {
         }
     }
 }
+
+/// A recipe makes the patch that planning makes, and one of another contour does no harm.
+#[test]
+fn recipes_make_the_same_patch() {
+    let tfi = Transfinite::default();
+    let shapes = [
+        polygon(&[(0., 0.), (6., 0.), (6., 4.), (0., 4.)], &[6, 4, 6, 4]),
+        polygon(&[(0., 0.), (6., 0.), (3., 5.)], &[6, 6, 6]),
+        polygon(&[(0., 0.), (6., 0.), (6., 4.), (0., 4.)], &[7, 4, 5, 4]),
+        circle(24).into_iter().map(|p| 4.0 * p).collect(),
+    ];
+    let contours = shapes.map(|p| Contour::from_ring(&p, 1.0));
+    let h = Uniform(1.0);
+    let tolerance = Tolerance::of_points(contours[0].points.iter().copied());
+    let task = |contour| RegionTask { contour, size: &h, tolerance };
+    let mut made = 0;
+    for c in &contours {
+        let Some((appraisal, recipe)) = tfi.foresee(&task(c)) else { continue };
+        assert_eq!(Some(appraisal), tfi.appraise(&task(c)));
+        assert!(tfi.glance(&task(c)).is_some());
+        for other in &contours {
+            assert_eq!(tfi.mesh_by(&task(other), &recipe).is_ok(), tfi.mesh(&task(other)).is_ok());
+        }
+        assert_eq!(tfi.mesh_by(&task(c), &recipe), tfi.mesh(&task(c)));
+        made += 1;
+    }
+    assert!(made >= 3, "{made} forecasts");
+}

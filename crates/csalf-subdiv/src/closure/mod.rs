@@ -27,7 +27,7 @@ mod table;
 mod tests;
 
 use csalf_geom::{Point2, predicates::is_left};
-use std::f64::consts::FRAC_1_SQRT_2;
+use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2};
 use table::{MAX_INNER, MAX_QUADS, MAX_RIM, Placement, placements};
 
 /// Stencils with a smaller scaled Jacobian are refused (handbook 4.9).
@@ -83,6 +83,31 @@ pub fn close(rim: &[Point2], wanted: &[f64], out: &mut ClosureResult) -> Option<
 /// What [`close`] would return, and the number of quads, without the exact check. Cost as of [`close`].
 pub fn appraise(rim: &[Point2], wanted: &[f64]) -> Option<(f64, usize)> {
     select(rim, wanted).map(|found| (found.sj, found.placement.n_quads))
+}
+
+/// True if a stencil exists whose quads all have a scaled Jacobian of `least` or more; inner nodes may move. As
+/// [`appraise`], but stops at the first, and tries none that the angles of the rim forbid.
+pub fn can_reach(rim: &[Point2], wanted: &[f64], least: f64) -> bool {
+    let n = rim.len();
+    let all = placements(n);
+    if all.is_empty() || wanted.len() != n {
+        return false;
+    }
+    // The best that d quads at one rim node can have is the sine of its d-th part.
+    let allowed = |p: &&Placement| {
+        (0..n).all(|i| {
+            let part = wanted[i] / p.valence[i];
+            part < 2.0 && (part * FRAC_PI_2).sin() >= least
+        })
+    };
+    if all.iter().filter(allowed).any(|p| smooth(p, rim).sj >= least) {
+        return true;
+    }
+    all.iter().filter(allowed).filter(|p| p.n_inner > 0).take(N_RESCUES).any(|p| {
+        let mut found = smooth(p, rim);
+        improve_to(&mut found, rim, least);
+        found.sj >= least
+    })
 }
 
 /// A placement with its inner points.
@@ -200,6 +225,11 @@ fn min_sj(p: &Placement, rim: &[Point2], inner: &[Point2; MAX_INNER]) -> f64 {
 /// Pattern search for the largest smallest SJ: each inner node tries eight directions; the step halves when none
 /// helps. The directions turn with the contour.
 fn improve(found: &mut Found, rim: &[Point2]) {
+    improve_to(found, rim, 1.0);
+}
+
+/// As [`improve`], until the smallest SJ is `enough`.
+fn improve_to(found: &mut Found, rim: &[Point2], enough: f64) {
     let p = found.placement;
     if p.n_inner == 0 {
         return;
@@ -209,6 +239,9 @@ fn improve(found: &mut Found, rim: &[Point2]) {
     let axis = (rim[1] - rim[0]).normalize_or(Point2::X);
     let mut step = 0.5 * mean;
     for _ in 0..N_STEPS {
+        if found.sj >= enough {
+            return;
+        }
         let mut helped = false;
         for k in 0..p.n_inner {
             let start = found.inner[k];

@@ -107,29 +107,35 @@ impl Placement {
     }
 }
 
-/// Weights of the limit of Laplace sweeps: every inner node is the mean of its neighbours. The sweeps contract by
-/// at least 2/3, so 200 of them reach the last digit.
+/// Weights of the limit of Laplace sweeps: every inner node is the mean of its neighbours. Gaussian elimination of a
+/// weakly diagonally dominant matrix, every component of which touches the rim: no pivoting is needed.
 fn harmonic(quads: &[[u8; 4]], n: usize, n_inner: usize) -> [[f64; MAX_RIM]; MAX_INNER] {
+    let mut m = [[0.0f64; MAX_INNER]; MAX_INNER];
     let mut weight = [[0.0; MAX_RIM]; MAX_INNER];
-    for _ in 0..200 {
-        for k in 0..n_inner {
-            let mut sum = [0.0; MAX_RIM];
-            let mut count = 0.0;
-            for q in quads {
-                let Some(c) = q.iter().position(|&v| v as usize == n + k) else { continue };
-                // Each neighbour of an inner node is the next corner in exactly one of its quads.
-                let v = q[(c + 1) % 4] as usize;
-                count += 1.0;
-                if v < n {
-                    sum[v] += 1.0;
-                } else {
-                    for (s, w) in sum.iter_mut().zip(weight[v - n]) {
-                        *s += w;
-                    }
-                }
+    for q in quads {
+        for c in 0..4 {
+            let Some(k) = (q[c] as usize).checked_sub(n) else { continue };
+            // Each neighbour of an inner node is the next corner in exactly one of its quads.
+            let v = q[(c + 1) % 4] as usize;
+            m[k][k] += 1.0;
+            match v.checked_sub(n) {
+                Some(j) => m[k][j] -= 1.0,
+                None => weight[k][v] += 1.0,
             }
-            weight[k] = sum.map(|s| s / count);
         }
+    }
+    for i in 0..n_inner {
+        let (pivot, from) = (m[i], weight[i]);
+        for j in (0..n_inner).filter(|&j| j != i) {
+            let f = m[j][i] / pivot[i];
+            if f != 0.0 {
+                m[j].iter_mut().zip(pivot).for_each(|(a, b)| *a -= f * b);
+                weight[j].iter_mut().zip(from).for_each(|(a, b)| *a -= f * b);
+            }
+        }
+    }
+    for k in 0..n_inner {
+        weight[k] = weight[k].map(|w| w / m[k][k]);
     }
     weight
 }

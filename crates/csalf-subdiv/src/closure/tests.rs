@@ -221,4 +221,18 @@ proptest! {
             prop_assert!((score(f.placement).unwrap_or(f64::INFINITY) - all).abs() < 1e-12);
         }
     }
+
+    /// What the angles of the rim forbid, no placement reaches.
+    #[test]
+    fn angles_forbid_nothing_that_is_good(half in 2usize..5, radii in prop::collection::vec(0.3..1.0f64, 8),
+        least in 0.02..0.6f64)
+    {
+        let n = 2 * half;
+        let rim: Vec<Point2> =
+            (0..n).map(|i| Point2::from_angle(TAU * i as f64 / n as f64) * radii[i]).collect();
+        let wanted = by_angles(&rim);
+        let reached = placements(n).iter().any(|p| smooth(p, &rim).sj >= least);
+        prop_assert!(!reached || can_reach(&rim, &wanted, least));
+        prop_assert!(!can_reach(&rim, &wanted, least + 0.1) || can_reach(&rim, &wanted, least));
+    }
 }
