@@ -36,7 +36,7 @@ pub struct RepairReport {
 /// Removes doublets and opens boundary singlets, then [`finish`]es the mesh. `fixed` has one entry per vertex
 /// and follows the renumbering. Quads with `protected` set (one entry per quad, follows too) are never
 /// edited; both lists are filled up with `false` if too short. Boundary vertices are never moved, merged or
-/// removed.
+/// removed. Also returns the topology of the result.
 ///
 /// Cost: that of [`finish`] and O(n) per pass; nothing found: one look at every vertex.
 pub fn repair(
@@ -45,7 +45,7 @@ pub fn repair(
     protected: &mut Vec<bool>,
     size: &dyn SizeField,
     options: &SmoothOptions,
-) -> RepairReport {
+) -> (RepairReport, QuadTopology) {
     let ops: [&dyn CleanOp; 2] = [&Doublet, &Singlet];
     let mut report =
         RepairReport { applied: ops.iter().map(|o| (o.name(), 0)).collect(), ..Default::default() };
@@ -87,7 +87,7 @@ pub fn repair(
         }
     }
     report.finish = finish(mesh, &topology, fixed, size, options);
-    report
+    (report, topology)
 }
 
 /// Number of quads that are not convex, and the smallest scaled Jacobian.

@@ -25,9 +25,8 @@ pub(crate) fn clean(
     options: &Options,
 ) -> QuadTopology {
     let smoothing = SmoothOptions::default();
-    let repaired = repair(mesh, &mut fixed, &mut protected, size, &smoothing);
+    let (repaired, topology) = repair(mesh, &mut fixed, &mut protected, size, &smoothing);
     renumber(sets, &repaired.quads);
-    let topology = QuadTopology::new(mesh.n_vertices(), &mesh.quads);
     if options.method != Method::Csalf || options.preset != Preset::Quality {
         return topology;
     }

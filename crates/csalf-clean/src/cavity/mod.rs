@@ -70,7 +70,7 @@ pub struct CavityRules {
 
 impl Default for CavityRules {
     fn default() -> Self {
-        Self { most_quads: 160, min_sj: 0.5, mean_loss: 0.4, size_loss: 1.5, patches: 4 }
+        Self { most_quads: 160, min_sj: 0.5, mean_loss: 0.6, size_loss: 1.0, patches: 3 }
     }
 }
 

@@ -18,7 +18,7 @@ const SEARCH: usize = 200;
 /// Most other irregular vertices that are tried.
 const TARGETS: usize = 6;
 /// Most cavities per seed that are given to the mesher.
-const FILLS: usize = 40;
+const FILLS: usize = 24;
 /// Rings that are added when there are no more irregular vertices around.
 const RINGS: usize = 2;
 

@@ -28,7 +28,7 @@ fn boundary(m: &QuadMesh) -> Vec<[VertexId; 2]> {
 }
 
 fn run(m: &mut QuadMesh, h: f64) -> RepairReport {
-    repair(m, &mut vec![], &mut vec![], &Uniform(h), &SmoothOptions::default())
+    repair(m, &mut vec![], &mut vec![], &Uniform(h), &SmoothOptions::default()).0
 }
 
 /// Runs the repair and checks that the result is a valid mesh of the same boundary.
@@ -76,12 +76,12 @@ fn a_fixed_doublet_and_protected_quads_stay() {
     insert_doublet(&mut m, 5, false);
     let mut fixed = vec![false; 26];
     fixed[25] = true;
-    let r = repair(&mut m, &mut fixed, &mut vec![], &Uniform(1.0), &SmoothOptions::default());
+    let r = repair(&mut m, &mut fixed, &mut vec![], &Uniform(1.0), &SmoothOptions::default()).0;
     assert_eq!(r.applied[0].1, 0);
     assert!(!r.finish.untangle.is_positive());
     let mut protected = vec![false; 17];
     protected[5] = true;
-    let r = repair(&mut m, &mut vec![], &mut protected, &Uniform(1.0), &SmoothOptions::default());
+    let r = repair(&mut m, &mut vec![], &mut protected, &Uniform(1.0), &SmoothOptions::default()).0;
     assert_eq!((r.applied[0].1, m.n_quads(), protected.len()), (0, 17, 17));
 }
 
