@@ -10,6 +10,7 @@
 //! ```
 
 use csalf_geom::VertexId;
+use rayon::prelude::*;
 
 /// Twins, stars and boundary of an all-quad mesh. Built in O(n) from the quads; knows no coordinates.
 #[derive(Clone, Debug)]
@@ -31,7 +32,7 @@ impl QuadTopology {
     /// No half-edge.
     pub const NONE: u32 = u32::MAX;
 
-    /// Builds the topology. Every vertex index must be below `n_vertices`. Cost O(n); no hashing, so the result
+    /// Builds the topology, in parallel if it is large. Every vertex index must be below `n_vertices`. Cost O(n); no hashing, so the result
     /// depends on nothing but the input.
     pub fn new(n_vertices: usize, quads: &[[VertexId; 4]]) -> Self {
         let mut star_start = vec![0u32; n_vertices + 1];
@@ -52,33 +53,46 @@ impl QuadTopology {
                 *f += 1;
             }
         }
-        let mut twin = vec![Self::NONE; 4 * quads.len()];
-        let mut on_boundary = vec![false; n_vertices];
-        let mut n_bad_edges = 0;
         let head = |h: u32| quads[(h / 4) as usize][((h + 1) & 3) as usize];
-        let out = |v: usize| &star[star_start[v] as usize..star_start[v + 1] as usize];
-        for a in 0..n_vertices {
-            for &h in out(a) {
-                let b = head(h);
-                // Half-edges b → a are the candidates; exactly one makes a twin.
-                let mut found = Self::NONE;
-                let mut n = 0;
-                for &g in out(b.index()) {
-                    if head(g).index() == a {
-                        found = g;
-                        n += 1;
+        let tail = |h: u32| quads[(h / 4) as usize][(h & 3) as usize];
+        let out = |v: VertexId| &star[star_start[v.index()] as usize..star_start[v.index() + 1] as usize];
+        // The half-edge that runs back along h: the only one that leaves its head for its tail.
+        let mut twin = vec![Self::NONE; 4 * quads.len()];
+        for_each_chunk(&mut twin, |first, chunk| {
+            for (i, slot) in chunk.iter_mut().enumerate() {
+                let h = (first + i) as u32;
+                let (a, b) = (tail(h), head(h));
+                for &g in out(b) {
+                    if head(g) == a {
+                        *slot = if *slot == Self::NONE { g } else { MANY };
                     }
                 }
-                let same = out(a).iter().filter(|&&g| head(g) == b).count();
-                if n == 1 && same == 1 {
-                    twin[h as usize] = found;
-                } else if n == 0 && same == 1 {
-                    on_boundary[a] = true;
-                    on_boundary[b.index()] = true;
-                } else {
-                    n_bad_edges += 1;
-                }
             }
+        });
+        // A pair must be one both ways; a half-edge without a partner must be alone in its direction.
+        let is_bad = |h: usize| match twin[h] {
+            MANY => true,
+            Self::NONE => {
+                let h = h as u32;
+                out(tail(h)).iter().filter(|&&g| head(g) == head(h)).count() > 1
+            }
+            g => twin[g as usize] != h as u32,
+        };
+        let bad = filter_indices(twin.len(), is_bad);
+        let n_bad_edges = bad.len();
+        let mut on_boundary = vec![false; n_vertices];
+        let mut listed = bad.iter().peekable();
+        for h in 0..twin.len() {
+            if listed.next_if(|&&b| b == h).is_some() {
+                continue;
+            }
+            if twin[h] == Self::NONE {
+                on_boundary[tail(h as u32).index()] = true;
+                on_boundary[head(h as u32).index()] = true;
+            }
+        }
+        for h in bad {
+            twin[h] = Self::NONE;
         }
         Self { twin, star_start, star, on_boundary, n_bad_edges }
     }
@@ -101,6 +115,30 @@ impl QuadTopology {
             .map(VertexId::new)
             .filter(|&v| !self.on_boundary[v.index()] && !matches!(self.n_quads_at(v), 0 | 4))
             .collect()
+    }
+}
+
+/// More than one candidate for a twin.
+const MANY: u32 = u32::MAX - 1;
+
+/// Entries of one parallel task; arrays up to this size are done in place.
+const CHUNK: usize = 1 << 16;
+
+/// Calls `f` with the index of the first entry of every chunk, and the chunk.
+fn for_each_chunk(list: &mut [u32], f: impl Fn(usize, &mut [u32]) + Sync) {
+    if list.len() <= CHUNK {
+        f(0, list);
+    } else {
+        list.par_chunks_mut(CHUNK).enumerate().for_each(|(c, chunk)| f(c * CHUNK, chunk));
+    }
+}
+
+/// The indices below `n` that satisfy `f`, ascending.
+fn filter_indices(n: usize, f: impl Fn(usize) -> bool + Sync) -> Vec<usize> {
+    if n <= CHUNK {
+        (0..n).filter(|&i| f(i)).collect()
+    } else {
+        (0..n).into_par_iter().with_min_len(CHUNK).filter(|&i| f(i)).collect()
     }
 }
 

@@ -63,8 +63,7 @@ fn triangle_has_one_irregular_vertex() {
 #[test]
 fn pentagon_is_five_blocks() {
     let corners: Vec<(f64, f64)> = circle(5).iter().map(|p| (p.x, p.y)).collect();
-    let (patch, s, irregular) =
-        mesh(&polygon(&corners, &[6; 5]), &Uniform(0.19), handbook()).unwrap();
+    let (patch, s, irregular) = mesh(&polygon(&corners, &[6; 5]), &Uniform(0.19), handbook()).unwrap();
     assert_eq!((patch.quads.len(), irregular), (45, 1));
     assert!(s.min_sj > 0.9, "{s:?}");
 }
