@@ -63,6 +63,16 @@ fn meshes_come_back() {
     }
 }
 
+/// The files themselves, to be looked at when a writer changes: other programs must read them.
+#[test]
+fn the_text_formats_are_as_reviewed() {
+    let mut data = sample(2, 1);
+    data.sets.nodes[0].1 = vec![VertexId(4)];
+    for format in READ.into_iter().filter(|&f| f != MeshFormat::Vtu) {
+        insta::assert_snapshot!(format.name(), String::from_utf8(written(format, &data)).unwrap());
+    }
+}
+
 #[test]
 fn sets_come_back_as_far_as_the_format_has_them() {
     let data = sample(3, 2);
