@@ -107,7 +107,9 @@ impl LocalSize {
 /// Solves the symmetric system whose upper half and right-hand side are given, by Cholesky's elimination with a small
 /// ridge: of nodes on one line the terms across it stay near 0.
 fn solve(mut m: [[f64; M + 1]; M]) -> Option<[f64; M]> {
-    let ridge = 1e-9 * m[0][0];
+    /// The ridge as a part of the first pivot. Larger: falsifies good fits; smaller: lost in rounding. *Arbitrary.*
+    const RIDGE: f64 = 1e-9;
+    let ridge = RIDGE * m[0][0];
     for (i, row) in m.iter_mut().enumerate() {
         row[i] += ridge;
     }
