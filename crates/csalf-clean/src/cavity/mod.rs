@@ -20,6 +20,7 @@
 //! ends. Nothing depends on the number of threads. Source: handbook 6.3 to 6.6.
 
 mod grow;
+mod local_size;
 mod refill;
 
 use crate::edit::EditMesh;

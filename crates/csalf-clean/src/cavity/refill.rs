@@ -6,10 +6,11 @@
 //! ```
 
 use super::grow::{Cavity, INNER, Site, weight};
+use super::local_size::LinearSize;
 use crate::smooth::{SmoothOptions, finish};
 use csalf_geom::{Point2, VertexId};
 use csalf_mesh::{Contour, NodeFlags, Patch, QuadMesh, QuadTopology, RegionTask, certify, quality::Corners};
-use csalf_sizemap::Hint;
+use csalf_sizemap::{Hint, SizeField};
 
 const NONE: u32 = u32::MAX;
 
@@ -235,7 +236,9 @@ impl Site<'_> {
         }
         tries.fills -= 1;
         let potential = self.potential(cavity);
-        let filled = self.fill(cavity).filter(|patch| {
+        let samples: Vec<Point2> = cavity.rim.iter().map(|&v| self.mesh.point(v)).collect();
+        let size = LinearSize::new(self.task.size, &samples);
+        let filled = self.fill(cavity, &size).filter(|patch| {
             let n_rim = cavity.rim.len();
             let mut valence = vec![0usize; n_rim + patch.points.len()];
             patch.quads.iter().flatten().for_each(|&v| valence[v as usize] += 1);
@@ -283,7 +286,7 @@ impl Site<'_> {
             sweeps: 4,
             ..SmoothOptions::default()
         };
-        finish(&mut local.mesh, &topology, &local.fixed, self.task.size, &options);
+        finish(&mut local.mesh, &topology, &local.fixed, &size, &options);
         let now = self.measure(quads_of(&local.mesh));
         let counter = if certify(&local.mesh.points, &local.mesh.quads).is_some()
             || now.min < before.min.min(r.min_sj)
@@ -304,16 +307,16 @@ impl Site<'_> {
         Outcome::Taken
     }
 
-    fn fill(&self, cavity: &Cavity) -> Option<Patch> {
+    fn fill(&self, cavity: &Cavity, size: &LinearSize) -> Option<Patch> {
         let mut contour = Contour::default();
         let mut hint = Hint::default();
         for &v in &cavity.rim {
             let p = self.mesh.point(v);
             let flags = if self.is_free(v) { NodeFlags::default() } else { NodeFlags::GEOMETRY };
-            contour.push(p, v, self.task.size.h(p, &mut hint), flags);
+            contour.push(p, v, size.h(p, &mut hint), flags);
         }
         contour.wanted.clone_from(&cavity.wanted);
-        let task = RegionTask { contour: &contour, size: self.task.size, tolerance: self.task.tolerance };
+        let task = RegionTask { contour: &contour, size, tolerance: self.task.tolerance };
         self.task.mesher.mesh(&task).ok().filter(|p| p.children.is_empty())
     }
 
