@@ -9,12 +9,12 @@
 use crate::cleaning::clean;
 use crate::region::{Curves, LayerRules, RegionResult, mesh_region};
 use crate::triad::{Filled, Triad};
-use crate::{Job, MeshError, MeshReport, Meshed, Method, Options};
+use crate::{Job, MeshError, MeshReport, Meshed, Method, Options, Preset};
 use csalf_geom::arrangement::{Arrangement, CheckOptions};
 use csalf_geom::{Point2, QuadId, VertexId};
 use csalf_mesh::validate;
 use csalf_mesh::{NamedSets, QuadMesh, QuadTopology, RegionMesher};
-use csalf_pave::PavingRules;
+use csalf_pave::{LoopPaver, PavingRules};
 use csalf_sizemap::{Extras, SizeField};
 use csalf_subdiv::fallback::Fallback;
 use csalf_subdiv::{SplitRules, Subdivision};
@@ -110,23 +110,25 @@ fn size_field(
     Ok(csalf_sizemap::build(&job.size, &loops, &extras, arrangement.tolerance)?)
 }
 
-/// The members of the triad for a method, in the order in which they are asked.
+/// The members of the triad for a method, in the order in which they are asked. Subdivision asks its companions before
+/// every split, in the same order; the paper's order is transfinite interpolation, loop-paving, subdivision.
 fn members(options: &Options) -> Vec<Arc<dyn RegionMesher>> {
-    let mut out: Vec<Arc<dyn RegionMesher>> = Vec::new();
-    let subdivision = match options.method {
-        Method::Tqm => Subdivision::new(SplitRules::QUALITY),
-        Method::Paper => {
-            let tfi: Arc<dyn RegionMesher> = Arc::new(Transfinite::new(TfiRules::paper()));
-            out.push(tfi.clone());
-            Subdivision::new(SplitRules::PAPER).with_companion(tfi)
+    let (rules, companions): (SplitRules, Vec<Arc<dyn RegionMesher>>) = match (options.method, options.preset)
+    {
+        (Method::Tqm, _) => (SplitRules::QUALITY, Vec::new()),
+        (Method::Paper, _) => {
+            let tfi = Arc::new(Transfinite::new(TfiRules::paper()));
+            (SplitRules::PAPER, vec![tfi, Arc::new(LoopPaver { rules: PavingRules::Paper })])
         }
-        Method::Csalf => {
-            let tfi: Arc<dyn RegionMesher> = Arc::new(Transfinite::new(TfiRules::default()));
-            out.push(tfi.clone());
-            Subdivision::new(SplitRules::QUALITY).with_companion(tfi)
+        (Method::Csalf, Preset::Quality) => {
+            (SplitRules::QUALITY, vec![Arc::new(Transfinite::new(TfiRules::default()))])
+        }
+        (Method::Csalf, Preset::Fast) => {
+            (SplitRules::FAST, vec![Arc::new(Transfinite::new(TfiRules::default()))])
         }
     };
-    out.push(Arc::new(subdivision));
+    let mut out = companions.clone();
+    out.push(Arc::new(companions.into_iter().fold(Subdivision::new(rules), Subdivision::with_companion)));
     out.push(Arc::new(Fallback));
     out
 }

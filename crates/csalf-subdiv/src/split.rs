@@ -44,8 +44,10 @@ pub struct SplitRules {
 impl SplitRules {
     /// Rules of the default method.
     pub const QUALITY: Self = Self { weights: Weights::QUALITY, all_pairs: 64, seeds: 48, lookahead: 8 };
-    /// Rules of the paper's functional.
-    pub const PAPER: Self = Self { weights: Weights::PAPER, ..Self::QUALITY };
+    /// The same without lookahead: about twice as fast, with more irregular vertices.
+    pub const FAST: Self = Self { lookahead: 1, ..Self::QUALITY };
+    /// Rules of the paper's functional, without lookahead.
+    pub const PAPER: Self = Self { weights: Weights::PAPER, ..Self::FAST };
 }
 
 /// Sizes within this factor are integrated from three samples. At 1.5 the error of Simpson's rule is below 1 percent.
