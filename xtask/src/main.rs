@@ -6,6 +6,7 @@ mod completions;
 mod generated;
 mod man;
 mod reduce;
+mod regress;
 mod schema;
 mod stress;
 mod tidy;
@@ -48,6 +49,8 @@ enum Task {
     Stress(stress::StressArgs),
     /// Shrink a failing job (a file, or a seed of `stress`) and print it as a test
     Reduce(reduce::ReduceArgs),
+    /// Mesh all fixtures and compare with their committed figures
+    Regress(regress::RegressArgs),
 }
 
 fn main() -> ExitCode {
@@ -59,6 +62,7 @@ fn main() -> ExitCode {
         Task::Schema { check } => schema::run(&root(), check),
         Task::Stress(args) => stress::run(&root(), &args),
         Task::Reduce(args) => reduce::run(&root(), &args),
+        Task::Regress(args) => regress::run(&root(), &args),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
