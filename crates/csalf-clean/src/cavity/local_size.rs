@@ -9,6 +9,10 @@
 use csalf_geom::Point2;
 use csalf_sizemap::{Hint, SizeField};
 
+/// Samples whose covariance has a smaller determinant than this part of its squared trace count as lying on a line.
+/// *Arbitrary.*
+const ON_A_LINE: f64 = 1e-6;
+
 #[derive(Debug)]
 pub(super) struct LinearSize {
     centre: Point2,
@@ -34,7 +38,7 @@ impl LinearSize {
         }
         let det = xx * yy - xy * xy;
         // All on a line: the mean will do.
-        let slope = if det > 1e-6 * (xx + yy) * (xx + yy) {
+        let slope = if det > ON_A_LINE * (xx + yy) * (xx + yy) {
             Point2::new(yy * r.x - xy * r.y, xx * r.y - xy * r.x) / det
         } else {
             Point2::ZERO
