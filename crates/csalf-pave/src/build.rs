@@ -44,9 +44,11 @@ pub(crate) struct Order<'a> {
     pub(crate) thickness: Thickness,
     /// Asked for by the user: exact thickness, no relaxation, milder tests.
     pub(crate) user: bool,
+    /// Only as thick as wanted, all around.
+    pub(crate) whole: bool,
     pub(crate) rules: PavingRules,
     pub(crate) field: &'a dyn SizeField,
-    /// Upper bounds of the thickness, one per occurrence; below half the wanted one the node is blocked.
+    /// Upper bounds of the thickness, one per occurrence; far below the wanted one the node is blocked.
     pub(crate) caps: Option<&'a [f64]>,
     /// Edges that must not be covered.
     pub(crate) banned: Option<&'a [bool]>,
@@ -84,6 +86,9 @@ impl From<Stop> for Failure {
 /// Longest run of peeled corner pairs in one ring: more is a finger that the subdivider fills as well.
 const MAX_PEELS: usize = 4;
 
+/// A ring by rule is nowhere thinner than this share of the wanted thickness.
+const THINNEST: f64 = 0.3;
+
 /// Working copy of a loop while fronts are chosen.
 struct Work {
     s: LoopState,
@@ -116,12 +121,14 @@ impl Work {
         w.measure(order);
         if let Some(caps) = order.caps {
             for (i, &cap) in caps.iter().enumerate() {
-                if cap < 0.5 * w.t[i] {
+                if cap < THINNEST * w.t[i] {
                     w.banned[i] = true;
                     w.banned[(i + n - 1) % n] = true;
                 }
-                w.t[i] = w.t[i].min(cap.max(0.5 * w.t[i]));
+                w.t[i] = w.t[i].min(cap.max(THINNEST * w.t[i]));
             }
+        }
+        if !order.user && order.rules == PavingRules::Corrected {
             w.taper();
         }
         w
@@ -291,6 +298,9 @@ pub(crate) fn build(state: &LoopState, order: &Order<'_>, all: &[Point2]) -> Res
         return Err(Stop::Short.into());
     }
     let mut w = Work::new(state, order);
+    if order.whole && w.t.iter().zip(&w.wanted).any(|(t, wanted)| *t < 0.95 * wanted) {
+        return Err(Stop::Gap.into());
+    }
     w.part_corners(order);
     let mut cover: Vec<bool> = w.s.open.iter().zip(&w.banned).map(|(o, b)| *o && !b).collect();
     let roles = chains(&w, &mut cover)?;
@@ -311,7 +321,7 @@ pub(crate) fn build(state: &LoopState, order: &Order<'_>, all: &[Point2]) -> Res
     Ok(out)
 }
 
-/// Roles under partial cover: chains of fewer than three edges are given up, and so is the ring if less than 60 %
+/// Roles under partial cover: chains of fewer than three edges are given up, and so is the ring if less than half
 /// of the loop is left (handbook 2.7).
 fn chains(w: &Work, cover: &mut [bool]) -> Result<Vec<Role>, Stop> {
     let n = w.n();
@@ -330,7 +340,7 @@ fn chains(w: &Work, cover: &mut [bool]) -> Result<Vec<Role>, Stop> {
     }
     roles = settle(&w.fronts, cover, room);
     let covered = cover.iter().filter(|&&c| c).count();
-    if (covered as f64) < 0.6 * n as f64 { Err(Stop::LittleLeft) } else { Ok(roles) }
+    if 2 * covered < n { Err(Stop::LittleLeft) } else { Ok(roles) }
 }
 
 fn positions(w: &Work, roles: &[Role], ring: &Ring, order: &Order<'_>) -> Vec<Point2> {

@@ -9,7 +9,8 @@
 //! 2. Every cycle builds a ring for each loop that still wants one, aside (`build`).
 //! 3. All fronts and proposed rings go into one index; the rings are tested in order, each against what stands by
 //!    then, and committed. Inner loops come first, the outer loop last (paper, Algorithm I).
-//! 4. A ring that fails is tried again: with thickness capped by the room there is (default layers), then without
+//! 4. Rings by rule are as thick as the room for all wanted rings allows. One that fails is tried again: as if nobody
+//!    wanted more than one ring, then without
 //!    the stretches where it failed (handbook 2.7). If that fails too, the loop has its last front.
 //!
 //! Guarantees: all quads strictly convex, all fronts simple and apart from each other, by exact predicates; the
@@ -110,10 +111,33 @@ struct Path<'a> {
     mean: f64,
     done: usize,
     active: bool,
+    /// Further rings are welcome where they follow the size field.
+    more: bool,
     index: u32,
     report: WalkReport,
     /// Nodes of the walk itself, for point rings.
     walk: &'a Walk,
+}
+
+/// Most layers by rule.
+const MOST_LAYERS: usize = 16;
+
+impl Path<'_> {
+    /// Its rings are only as thick as the room between the fronts allows. Layers that the user asked for are as
+    /// thick as asked, and the paper's are as they are.
+    fn shares(&self, task: &LayerTask<'_>) -> bool {
+        !self.user && task.rules == PavingRules::Corrected
+    }
+
+    /// Rings beyond those of the rule: round holes get more as long as they grow with the size field.
+    fn extra(&self) -> bool {
+        self.done >= self.spec.count
+    }
+
+    /// Rings that it still wants, at most `most`, as far as others have to leave room for them.
+    fn wants(&self, most: usize) -> usize {
+        if self.active { self.spec.count.saturating_sub(self.done).min(most) } else { 0 }
+    }
 }
 
 /// Layers by rule: holes 2 (3 if round and smaller than three wanted edges), scars 1, the outer loop 1, points none
@@ -200,6 +224,7 @@ fn path<'a>(task: &LayerTask<'_>, index: usize, walk: &'a Walk) -> Path<'a> {
             geometry: vec![true; n],
         },
         kind: walk.kind,
+        more: !user && walk.kind == WalkKind::Hole && task.rules == PavingRules::Corrected,
         user,
         mean,
         done: 0,
@@ -225,8 +250,11 @@ fn cycle(
         .filter(|&&i| paths[i].active)
         .map(|&path| Try { path, stage: Stage::Whole, banned: Vec::new(), first: None })
         .collect();
-    // The first ring of a hard point looks for the nearest front.
-    let points = tries.iter().any(|t| paths[t.path].kind == WalkKind::Point && paths[t.path].done == 0);
+    // The first ring of a hard point looks for the nearest front, layers by rule for the room there is.
+    let points = tries.iter().any(|t| {
+        let p = &paths[t.path];
+        p.shares(task) || (p.kind == WalkKind::Point && p.done == 0)
+    });
     let mut standing = points.then(|| Index::new(&segments(paths, &[])));
     while !tries.is_empty() {
         let mut proposals: Vec<(usize, Candidate)> = Vec::new();
@@ -265,6 +293,10 @@ fn cycle(
             let p = &mut paths[t.path];
             t.first.get_or_insert(failure.stop);
             tracing::debug!(walk = t.path, layer = p.done, stage = ?t.stage, stop = %failure.stop, "ring refused");
+            if p.extra() {
+                p.active = false;
+                continue;
+            }
             match t.stage.after(&failure, p, task.partial, &mut t.banned) {
                 Some(stage) => again.push(Try { stage, ..t }),
                 None => {
@@ -285,9 +317,9 @@ fn cycle(
 enum Stage {
     /// As wanted.
     Whole,
-    /// Thickness capped by the room there is.
-    Capped,
-    /// Without the stretches that failed so far; how often already, and whether capped as well.
+    /// As if nobody wanted more than one ring.
+    Last,
+    /// Without the stretches that failed so far; how often already, and whether as if the last.
     Part(u8, bool),
 }
 
@@ -313,9 +345,9 @@ impl Stage {
             return None;
         }
         banned.resize(n, false);
-        let capped = self == Self::Capped && !f.at.is_empty();
+        let capped = self == Self::Last && !f.at.is_empty();
         if capped {
-            // Most of what failed at first does not with caps.
+            // Most of what failed at first does not when others want less.
             banned.fill(false);
         }
         for &i in &f.at {
@@ -325,8 +357,8 @@ impl Stage {
             }
         }
         let next = match self {
-            Self::Whole if !p.user => return Some(Self::Capped),
-            Self::Whole | Self::Capped => Self::Part(1, capped),
+            Self::Whole if !p.user => return Some(Self::Last),
+            Self::Whole | Self::Last => Self::Part(1, capped),
             Self::Part(..) if f.stop == Stop::LittleLeft => return None,
             Self::Part(k, capped) => Self::Part(k + 1, capped),
         };
@@ -360,18 +392,22 @@ fn propose(
         return Ok(build_point(id, at, t, tangent(at, t, p.index, index)));
     }
     if !p.user {
-        evaluate::before(&p.state, task.size, hint)?;
-        if p.done > 0 && coarse(p, task, hint) {
+        evaluate::before(&p.state, task.size, task.rules, hint)?;
+        let ratio = coarseness(p, task, hint);
+        let most = if p.kind == WalkKind::Hole && p.done < 2 { 2.2 } else { 1.4 };
+        if p.extra() && !(0.75..=1.2).contains(&ratio) || p.done > 0 && ratio > most {
             return Err(Stop::Thick.into());
         }
     }
-    let caps = match (attempt.stage, index) {
-        (Stage::Capped | Stage::Part(_, true), Some(index)) => Some(room(p, paths, index)),
+    let last = matches!(attempt.stage, Stage::Last | Stage::Part(_, true));
+    let caps = match index {
+        Some(index) if p.shares(task) => Some(room(p, paths, index, if last { 1 } else { 2 })),
         _ => None,
     };
     let order = Order {
         thickness: t,
         user: p.user,
+        whole: p.extra(),
         rules: task.rules,
         field: task.size,
         caps: caps.as_deref(),
@@ -380,15 +416,13 @@ fn propose(
     build(&p.state, &order, all)
 }
 
-/// The fronts have become longer than 1.4 wanted edges on average (handbook 3.4).
-fn coarse(p: &Path<'_>, task: &LayerTask<'_>, hint: &mut Hint) -> bool {
+/// Mean length of the fronts in wanted edges. Layers by rule stop above 1.4 (the second of a hole above 2.2),
+/// further ones outside 0.75 to 1.2 (handbook 3.4).
+fn coarseness(p: &Path<'_>, task: &LayerTask<'_>, hint: &mut Hint) -> f64 {
     let n = p.state.nodes.len();
-    let sum: f64 = (0..n)
-        .map(|i| {
-            p.state.points[i].distance(p.state.points[(i + 1) % n]) / task.size.h(p.state.points[i], hint)
-        })
-        .sum();
-    sum > 1.4 * n as f64
+    let q = &p.state.points;
+    let sum: f64 = (0..n).map(|i| q[i].distance(q[(i + 1) % n]) / task.size.h(q[i], hint)).sum();
+    sum / n as f64
 }
 
 /// Direction of the nearest front, for the first ray at a hard point; the x axis if there is none near.
@@ -413,27 +447,51 @@ fn tangent(p: Point2, t: f64, own: u32, index: Option<&Index>) -> Point2 {
 
 /// Gap that must remain to other fronts, in lengths of the fronts: asked layers take what they are given.
 fn corridor(p: &Path<'_>) -> f64 {
-    if p.user { 0.5 } else { 1.2 }
+    match (p.user, p.extra()) {
+        (true, _) => 0.5,
+        (false, false) => 1.0,
+        (false, true) => 2.0,
+    }
 }
 
-/// Medial caps: what lies between a node and the nearest other front, less the corridor that must remain; half of it
-/// if that front still wants a ring of its own (handbook 2.3).
-fn room(p: &Path<'_>, paths: &[Path<'_>], index: &Index) -> Vec<f64> {
+/// Medial caps: what lies between a node and the nearest other front (or another stretch of its own), less the
+/// corridor that must remain, shared among all rings that are still wanted there in proportion to the lengths of
+/// the fronts (handbook 2.3).
+fn room(p: &Path<'_>, paths: &[Path<'_>], index: &Index, most: usize) -> Vec<f64> {
     let n = p.state.nodes.len();
+    let q = &p.state.points;
+    let mine = p.wants(most).max(1) as f64;
+    let mut along = vec![0.0; n + 1];
+    for i in 0..n {
+        along[i + 1] = along[i] + q[i].distance(q[if i + 1 == n { 0 } else { i + 1 }]);
+    }
+    let around = along[n];
     (0..n)
         .map(|i| {
-            let q = p.state.points[i];
-            let s =
-                0.5 * (q.distance(p.state.points[(i + 1) % n]) + q.distance(p.state.points[(i + n - 1) % n]));
-            let reach = 4.0 * s;
+            let (a, b, c) =
+                (q[if i == 0 { n - 1 } else { i - 1 }], q[i], q[if i + 1 == n { 0 } else { i + 1 }]);
+            let s = 0.5 * (b.distance(c) + b.distance(a));
+            let inward = (c - a).perp();
+            let reach = 1.5 * (mine + 3.0) * s;
             let mut cap = f64::INFINITY;
-            index.query(q - reach, q + reach, |f| {
-                if f.owner != p.index {
-                    let other = &paths[f.owner as usize];
-                    let keep = 1.15 * corridor(p) * 0.5 * (s + s.min(f.a.distance(f.b)));
-                    let share = if other.active && other.done <= p.done { 0.5 } else { 1.0 };
-                    cap = cap.min(share * (distance(q, f.a, f.b) - keep));
+            index.query(b - reach, b + reach, |f| {
+                let other = &paths[f.owner as usize];
+                let length = s.min(f.a.distance(f.b));
+                let d = distance(b, f.a, f.b);
+                if f.owner == p.index {
+                    // Another stretch of this loop counts if it is farther along the loop than across, and ahead.
+                    let j = f.at as usize;
+                    let way = (along[i] - along[j]).abs();
+                    let way = way.min(around - way);
+                    let ahead = (f.a.midpoint(f.b) - b).dot(inward);
+                    let here = f.a == b || f.b == b; // the other side of a scar
+                    if here || way < 3.0 * d + 2.0 * s || ahead < 0.5 * inward.length() * d {
+                        return;
+                    }
                 }
+                let keep = 1.1 * corridor(p) * 0.5 * (s + length);
+                let theirs = other.wants(most) as f64 * length;
+                cap = cap.min(s / (s * mine + theirs) * (d - keep));
             });
             cap.max(0.0)
         })
@@ -482,7 +540,7 @@ fn commit(p: &mut Path<'_>, c: Candidate, stage: Stage, all: &mut Vec<Point2>, o
         p.report.reduced += 1;
     }
     p.done += 1;
-    p.active = p.done < p.spec.count;
+    p.active = p.done < p.spec.count || (p.more && p.report.reduced == 0 && p.done < MOST_LAYERS);
 }
 
 #[cfg(test)]

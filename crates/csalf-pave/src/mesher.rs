@@ -81,10 +81,11 @@ impl RegionMesher for LoopPaver {
             Stop::FarFromSize | Stop::UnevenFronts | Stop::Thick | Stop::Growth => Refusal::Size,
             _ => Refusal::Quality,
         };
-        evaluate::before(&state, task.size, &mut Hint::default()).map_err(refusal)?;
+        evaluate::before(&state, task.size, self.rules, &mut Hint::default()).map_err(refusal)?;
         let order = Order {
             thickness: Thickness::Isotropic(1.0),
             user: false,
+            whole: false,
             rules: self.rules,
             field: task.size,
             caps: None,
