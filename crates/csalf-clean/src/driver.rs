@@ -35,7 +35,8 @@ pub struct RepairReport {
 
 /// Removes doublets and opens boundary singlets, then [`finish`]es the mesh. `fixed` has one entry per vertex
 /// and follows the renumbering. Quads with `protected` set (one entry per quad, follows too) are never
-/// edited; both lists are filled up with `false` if too short. Boundary vertices are never moved, merged or
+/// edited; both lists are filled up with `false` if too short. Edges in `kept` (scars), whose ends are `fixed`, stay
+/// edges. Boundary vertices are never moved, merged or
 /// removed. Also returns the topology of the result.
 ///
 /// Cost: that of [`finish`] and O(n) per pass; nothing found: one look at every vertex.
@@ -43,6 +44,7 @@ pub fn repair(
     mesh: &mut QuadMesh,
     fixed: &mut Vec<bool>,
     protected: &mut Vec<bool>,
+    kept: &[[VertexId; 2]],
     size: &dyn SizeField,
     options: &SmoothOptions,
 ) -> (RepairReport, QuadTopology) {
@@ -52,10 +54,11 @@ pub fn repair(
     fixed.resize(mesh.n_vertices(), false);
     protected.resize(mesh.n_quads(), false);
     let mut topology = QuadTopology::new(mesh.n_vertices(), &mesh.quads);
+    let mut kept = sorted(kept.iter().copied());
     // Set when no mandatory change can be made: the others may still help.
     let mut stuck = false;
     for _ in 0..PASSES {
-        let site = Site { mesh, topology: &topology, fixed };
+        let site = Site { mesh, topology: &topology, fixed, kept: &kept };
         let found: Vec<(usize, Edit)> = ops
             .iter()
             .enumerate()
@@ -80,6 +83,7 @@ pub fn repair(
             (*mesh, *fixed, *protected, topology) = before;
             break;
         }
+        kept = sorted(kept.iter().map(|e| e.map(|v| VertexId(vertices[v.index()]))));
         compose(&mut report.vertices, &vertices);
         compose(&mut report.quads, &quads);
         for (op, _) in &chosen {
@@ -88,6 +92,13 @@ pub fn repair(
     }
     report.finish = finish(mesh, &topology, fixed, size, options);
     (report, topology)
+}
+
+/// Edges as [`Site::kept`] wants them.
+fn sorted(edges: impl Iterator<Item = [VertexId; 2]>) -> Vec<[VertexId; 2]> {
+    let mut out: Vec<_> = edges.map(|[a, b]| [a.min(b), a.max(b)]).collect();
+    out.sort_unstable();
+    out
 }
 
 /// Number of quads that are not convex, and the smallest scaled Jacobian.

@@ -25,14 +25,14 @@ pub(crate) fn clean(
     options: &Options,
 ) -> QuadTopology {
     let smoothing = SmoothOptions::default();
-    let (repaired, topology) = repair(mesh, &mut fixed, &mut protected, size, &smoothing);
+    let scars = arrangement.scars.iter();
+    let kept: Vec<[VertexId; 2]> =
+        scars.flat_map(|s| s.windows(2).map(|w| [VertexId(w[0]), VertexId(w[1])])).collect();
+    let (repaired, topology) = repair(mesh, &mut fixed, &mut protected, &kept, size, &smoothing);
     renumber(sets, &repaired.quads);
     if options.method != Method::Csalf || options.preset != Preset::Quality {
         return topology;
     }
-    let scars = arrangement.scars.iter();
-    let kept: Vec<[VertexId; 2]> =
-        scars.flat_map(|s| s.windows(2).map(|w| [VertexId(w[0]), VertexId(w[1])])).collect();
     let task = CavityTask {
         fixed: &fixed,
         protected: &protected,

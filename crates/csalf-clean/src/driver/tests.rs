@@ -28,7 +28,7 @@ fn boundary(m: &QuadMesh) -> Vec<[VertexId; 2]> {
 }
 
 fn run(m: &mut QuadMesh, h: f64) -> RepairReport {
-    repair(m, &mut vec![], &mut vec![], &Uniform(h), &SmoothOptions::default()).0
+    repair(m, &mut vec![], &mut vec![], &[], &Uniform(h), &SmoothOptions::default()).0
 }
 
 /// Runs the repair and checks that the result is a valid mesh of the same boundary.
@@ -76,12 +76,12 @@ fn a_fixed_doublet_and_protected_quads_stay() {
     insert_doublet(&mut m, 5, false);
     let mut fixed = vec![false; 26];
     fixed[25] = true;
-    let r = repair(&mut m, &mut fixed, &mut vec![], &Uniform(1.0), &SmoothOptions::default()).0;
+    let r = repair(&mut m, &mut fixed, &mut vec![], &[], &Uniform(1.0), &SmoothOptions::default()).0;
     assert_eq!(r.applied[0].1, 0);
     assert!(!r.finish.untangle.is_positive());
     let mut protected = vec![false; 17];
     protected[5] = true;
-    let r = repair(&mut m, &mut vec![], &mut protected, &Uniform(1.0), &SmoothOptions::default()).0;
+    let r = repair(&mut m, &mut vec![], &mut protected, &[], &Uniform(1.0), &SmoothOptions::default()).0;
     assert_eq!((r.applied[0].1, m.n_quads(), protected.len()), (0, 17, 17));
 }
 
@@ -154,4 +154,19 @@ proptest! {
         let t = QuadTopology::new(m.n_vertices(), &m.quads);
         prop_assert!((0..m.n_vertices()).all(|v| t.on_boundary[v] || t.n_quads_at(VertexId::new(v)) > 2));
     }
+}
+
+/// Node 1 is straight, has one quad, and can borrow one across 0-3 unless that is a scar.
+#[test]
+fn a_kept_edge_is_not_rotated() {
+    let points =
+        [[0., 0.], [1., 0.], [2., 0.], [1.2, 1.2], [3., 0.5], [2.4, 1.6], [0., 1.2], [1.0, 2.4], [2.2, 2.6]];
+    let m = mesh(&points, &[[0, 1, 2, 3], [2, 4, 5, 3], [0, 3, 7, 6], [3, 5, 8, 7]]);
+    let topology = QuadTopology::new(m.n_vertices(), &m.quads);
+    let rotates = |kept: &[[VertexId; 2]]| {
+        let site = Site { mesh: &m, topology: &topology, fixed: &[], kept };
+        Singlet.find(&site).iter().any(|e| e.remove.contains(&0) && e.remove.contains(&2))
+    };
+    assert!(rotates(&[]));
+    assert!(!rotates(&[[VertexId(0), VertexId(3)]]));
 }

@@ -24,7 +24,7 @@ impl CleanOp for Doublet {
     }
 
     fn find(&self, site: &Site<'_>) -> Vec<Edit> {
-        let Site { mesh, topology, fixed } = *site;
+        let Site { mesh, topology, fixed, .. } = *site;
         let mut out = Vec::new();
         for v in 0..mesh.n_vertices() {
             let id = VertexId::new(v);

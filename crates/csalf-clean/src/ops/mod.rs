@@ -3,7 +3,7 @@
 mod doublet;
 mod singlet;
 
-use csalf_geom::Point2;
+use csalf_geom::{Point2, VertexId};
 use csalf_mesh::{QuadMesh, QuadTopology};
 
 pub use doublet::Doublet;
@@ -18,6 +18,15 @@ pub struct Site<'a> {
     pub topology: &'a QuadTopology,
     /// Per vertex: must not move or vanish. Boundary vertices count as fixed anyhow.
     pub fixed: &'a [bool],
+    /// Edges that must stay (scars), the smaller vertex first, ascending.
+    pub kept: &'a [[VertexId; 2]],
+}
+
+impl Site<'_> {
+    /// True if the edge `a`-`b` must stay. Cost O(log n).
+    pub fn keeps(&self, a: u32, b: u32) -> bool {
+        self.kept.binary_search(&[VertexId(a.min(b)), VertexId(a.max(b))]).is_ok()
+    }
 }
 
 /// One local change: these quads go, those come. Quads that come cover what the ones that go covered, with

@@ -15,6 +15,8 @@
 //! 3. Otherwise Q, R and S make room for three new nodes; all of c, v, a then have two quads. If b has but
 //!    the edges to a, c and e, then e = f and b is dropped.
 //!
+//! An edge that must stay (a scar) is neither rotated nor replaced.
+//!
 //! Near 180 degrees Q cannot be valid: the change is mandatory from [`FLAT_ANGLE`] on. Source: handbook 6.3.
 
 use super::{CleanOp, Edit, Site};
@@ -84,7 +86,7 @@ fn can_spare(site: &Site<'_>, v: u32) -> bool {
 
 /// The change at boundary node `v`, which has one quad.
 fn open(site: &Site<'_>, v: usize) -> Option<Edit> {
-    let Site { mesh, topology, fixed } = *site;
+    let Site { mesh, topology, fixed, .. } = *site;
     let h = topology.star(VertexId::new(v))[0];
     let q = h / 4;
     let side = |k: u32| 4 * q + ((h + k) & 3);
@@ -98,7 +100,8 @@ fn open(site: &Site<'_>, v: usize) -> Option<Edit> {
     let mandatory = angle >= FLAT_ANGLE;
     // The quads beyond a-b and b-c, as the half-edges b → a and c → b.
     let twin = |k: u32| Some(topology.twin[side(k) as usize]).filter(|&t| t != QuadTopology::NONE);
-    let (r, s) = (twin(1), twin(2));
+    // A scar along one of these edges stays.
+    let (r, s) = (twin(1).filter(|_| !site.keeps(a, b)), twin(2).filter(|_| !site.keeps(b, c)));
     let around = |t: u32, k: u32| corner((t & !3) | ((t + k) & 3));
     if can_spare(site, b) {
         if let Some(t) = r.filter(|_| can_spare(site, a)) {
