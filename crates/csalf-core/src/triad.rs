@@ -92,10 +92,14 @@ impl<'a> Triad<'a> {
         let task = RegionTask { contour, size: self.size, tolerance: self.tolerance };
         for (member, taken) in self.members.iter().zip(&self.taken) {
             match member.mesh(&task) {
-                Ok(patch) => {
-                    taken.fetch_add(1, Ordering::Relaxed);
-                    return self.commit(contour, patch);
-                }
+                // A step that leaves something nobody can fill was a bad one: it is dropped.
+                Ok(patch) => match self.commit(contour, patch) {
+                    Ok(filled) => {
+                        taken.fetch_add(1, Ordering::Relaxed);
+                        return Ok(filled);
+                    }
+                    Err(e) => tracing::debug!(member = member.name(), n_nodes = contour.len(), %e, "dropped"),
+                },
                 Err(refusal) => {
                     tracing::trace!(member = member.name(), n_nodes = contour.len(), %refusal, "refused");
                 }

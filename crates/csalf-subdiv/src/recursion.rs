@@ -101,6 +101,10 @@ impl Subdivision {
         } else {
             r.fill();
         }
+        // Only a contour that is not valid comes back as it was; handing it out again would never end.
+        if r.quads.is_empty() && r.children.len() == 1 && r.children[0].len() == n {
+            return Err(Refusal::NotApplicable);
+        }
         let tally = r.tally;
         Ok((r.into_patch(), tally))
     }

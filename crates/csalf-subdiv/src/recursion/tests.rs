@@ -60,3 +60,21 @@ fn disks_are_filled() {
         assert_eq!(t.fallbacks, 0, "disk of {n} nodes");
     }
 }
+
+/// It came back as its own child, and the driver asked again without end.
+#[test]
+fn a_contour_that_crosses_itself_is_refused() {
+    let ring: Vec<Point2> =
+        [(0., 0.), (2., 2.), (3., 2.), (3., 0.), (2., 0.), (0., 2.), (-1., 2.), (-1., 0.)]
+            .map(Point2::from)
+            .to_vec();
+    let contour = Contour::from_ring(&ring, 1.0);
+    let tolerance = Tolerance::of_points(ring.iter().copied());
+    let task = RegionTask { contour: &contour, size: &Uniform(1.0), tolerance };
+    for seam in [16, 100] {
+        let s = Subdivision::new(SplitRules::QUALITY).with_seam(seam);
+        if let Ok(p) = s.mesh(&task) {
+            assert!(p.quads.len() + p.children.len() > 1, "it made some progress");
+        }
+    }
+}
