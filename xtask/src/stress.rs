@@ -44,6 +44,9 @@ pub(crate) struct StressArgs {
     /// Ask for random layers
     #[arg(long)]
     layers: bool,
+    /// Only nasty (true) or only easy (false) domains; both if not given
+    #[arg(long)]
+    nasty: Option<bool>,
     /// Workers; 0: as many as there are cores
     #[arg(long, default_value_t = 0)]
     threads: usize,
@@ -93,7 +96,8 @@ pub(crate) fn run(root: &Path, args: &StressArgs) -> Outcome {
     options_for(&args.method, 0, Options::default())?;
     let folder = root.join("target/stress");
     fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
-    let recipe = Recipe { layers: args.layers, most_quads: args.most_quads, ..Recipe::default() };
+    let recipe =
+        Recipe { nasty: args.nasty, layers: args.layers, most_quads: args.most_quads, ..Recipe::default() };
     let next = AtomicU64::new(args.seed);
     let end = args.seed + args.count;
     let n_workers = match args.threads {
