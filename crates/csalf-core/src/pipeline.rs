@@ -9,7 +9,7 @@
 use crate::cleaning::clean;
 use crate::region::{Curves, LayerRules, RegionResult, mesh_region};
 use crate::triad::{Filled, Triad};
-use crate::{Job, MeshError, MeshReport, Meshed, Method, Options, Preset};
+use crate::{Job, MeshError, MeshReport, Meshed, Method, Options, Preset, Warning};
 use csalf_geom::arrangement::{Arrangement, CheckOptions};
 use csalf_geom::{Point2, QuadId, VertexId};
 use csalf_mesh::validate;
@@ -55,7 +55,32 @@ pub(crate) fn run(job: &Job, options: &Options) -> Result<Meshed, MeshError> {
     }
 }
 
+/// Meshes with the options as given. If the certificate refuses the result (a defect of ours, on a domain at the limits
+/// of floating-point numbers), again without cavities, then by subdivision alone; the report says so.
 fn run_here(job: &Job, options: &Options) -> Result<Meshed, MeshError> {
+    let mut attempts = vec![options.clone()];
+    if (options.method, options.preset) == (Method::Csalf, Preset::Quality) {
+        attempts.push(Options { preset: Preset::Fast, ..options.clone() });
+    }
+    if options.method != Method::Tqm {
+        attempts.push(Options { method: Method::Tqm, ..options.clone() });
+    }
+    let mut refused = Vec::new();
+    for attempt in &attempts {
+        match mesh_once(job, attempt) {
+            Err(e @ MeshError::Internal { .. }) => refused.push(e),
+            Ok(mut meshed) => {
+                let retried = |e: &MeshError| Warning::Retried { reason: e.to_string() };
+                meshed.report.warnings.extend(refused.iter().map(retried));
+                return Ok(meshed);
+            }
+            error => return error,
+        }
+    }
+    Err(refused.swap_remove(0))
+}
+
+fn mesh_once(job: &Job, options: &Options) -> Result<Meshed, MeshError> {
     let mut watch = Stopwatch::new();
     let mut report = MeshReport::default();
 
@@ -146,6 +171,17 @@ fn certify(mesh: &QuadMesh, topology: &QuadTopology, arrangement: &Arrangement) 
         .min();
     if let Some(q) = bad {
         return fail(format!("quad {q} at {:?} is not convex", mesh.corners(QuadId::new(q))[0]));
+    }
+    // Vertices of one element that are one point by the tolerance of the input.
+    let merge = arrangement.tolerance.merge();
+    let shortest = mesh.quads.par_iter().with_min_len(CHUNK).map(|q| {
+        let p = q.map(|v| mesh.points[v.index()]);
+        (0..4).map(|k| p[k].distance_squared(p[(k + 1) & 3])).fold(p[0].distance_squared(p[2]), f64::min)
+    });
+    if let Some(l) = shortest.min_by(f64::total_cmp)
+        && l.sqrt() <= merge
+    {
+        return fail(format!("two vertices of a quad are {:e} apart", l.sqrt()));
     }
     if topology.n_bad_edges > 0 {
         return fail(format!("{} edges do not conform", topology.n_bad_edges));

@@ -55,6 +55,12 @@ pub enum Warning {
         /// Somewhere in it.
         y: f64,
     },
+    /// A first mesh did not pass the certificate; this one was made by simpler means and passed.
+    #[error("meshed again by simpler means: {reason}")]
+    Retried {
+        /// What the certificate found.
+        reason: String,
+    },
     /// A node was added to make a region even (only where the caller allows it).
     #[error("a node was added to {name} at ({x:.6}, {y:.6}) to make the region beside it even")]
     NodeAdded {
