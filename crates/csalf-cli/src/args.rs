@@ -83,7 +83,7 @@ pub struct MeshArgs {
     /// How much work to put into quality
     #[arg(long, value_enum)]
     pub preset: Option<PresetArg>,
-    /// Layers by pattern of loop names: PATTERN=COUNT[:LAW[:FIRST]],...
+    /// Layers by pattern of loop names: `PATTERN=COUNT[:LAW[:FIRST]],...`
     #[arg(long, value_name = "LAYERS")]
     pub layers: Option<String>,
     /// Thickness law of the layers: auto, constant, ramp, parabolic, fibonacci, geometric(Q), explicit(T,...)

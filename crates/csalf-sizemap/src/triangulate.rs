@@ -108,7 +108,30 @@ pub(crate) fn triangulate(points: &[Point2], sides: &[[u32; 2]]) -> Result<Trian
         );
         out.fixed.push([0, 1, 2].map(|k| side(k).is_constraint_edge()));
     }
-    Ok(out)
+    Ok(canonical(&out))
+}
+
+/// The same triangles, each beginning with its smallest node, in ascending order: spade's own order differs from run to
+/// run (it hashes with random seeds), and rounding depends on the order of the corners.
+fn canonical(t: &Triangulation) -> Triangulation {
+    let first = |c: &[u32; 3]| (0..3).min_by_key(|&k| c[k]).unwrap_or(0);
+    let turn = |c: [u32; 3], k: usize| [c[k], c[(k + 1) % 3], c[(k + 2) % 3]];
+    let mut order: Vec<u32> = (0..t.corners.len() as u32).collect();
+    order.sort_unstable_by_key(|&i| turn(t.corners[i as usize], first(&t.corners[i as usize])));
+    let mut number = vec![NONE; order.len()];
+    for (new, &old) in order.iter().enumerate() {
+        number[old as usize] = new as u32;
+    }
+    let mut out = Triangulation::default();
+    for &old in &order {
+        let i = old as usize;
+        let k = first(&t.corners[i]);
+        let f = t.fixed[i];
+        out.corners.push(turn(t.corners[i], k));
+        out.across.push(turn(t.across[i], k).map(|n| if n == NONE { NONE } else { number[n as usize] }));
+        out.fixed.push([f[k], f[(k + 1) % 3], f[(k + 2) % 3]]);
+    }
+    out
 }
 
 /// Which triangles lie inside an odd number of the loops whose segments are `sides`. A segment that occurs twice

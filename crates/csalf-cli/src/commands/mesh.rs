@@ -1,9 +1,9 @@
 //! `csalf mesh`: outlines in, meshes out.
 //!
-//! 1. [`settle`]: the command line, the `--config` file and the options in the job file become one plan; every
+//! 1. `settle`: the command line, the `--config` file and the options in the job file become one plan; every
 //!    wrong option and unknown format is found before any work is done.
 //! 2. [`mesh_one`]: meshes a job, measures time and quality, writes the files.
-//! 3. [`finish`]: summary, `--report`, and with `--json` the last line.
+//! 3. `finish`: summary, `--report`, and with `--json` the last line.
 //!
 //! An input with several outlines gives one mesh each; one that fails does not lose the others.
 
