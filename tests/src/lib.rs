@@ -4,7 +4,7 @@
 //! - [`fixtures`]: our own cases, by code.
 //! - [`generate`]: random valid jobs from a seed; the same seed gives the same job for good.
 //! - [`check`]: an independent judge of meshes, which reads nothing but the job and the mesh.
-//! - [`run`]: meshes a job, catches panics, judges the outcome, names what went wrong.
+//! - [`mod@run`]: meshes a job, catches panics, judges the outcome, names what went wrong.
 //! - [`reduce`]: shrinks a failing job while it fails in the same way.
 
 pub mod baseline;

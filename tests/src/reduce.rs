@@ -1,7 +1,7 @@
 //! Shrinks a failing job: delta debugging over holes, scars, points, layers, sizes and nodes.
 //!
 //! 1. Plain things first: no layers, no gradation, sizes of the boundary; near the origin, rounded coordinates.
-//! 2. Whole holes, scars and points, in halves, quarters, ... down to one ([`drop_chunks`]).
+//! 2. Whole holes, scars and points, in halves, quarters, ... down to one (`drop_chunks`).
 //! 3. Nodes of each loop and scar, in even chunks down to two, so that parity stays.
 //! 4. Again from 2 until nothing goes.
 //!

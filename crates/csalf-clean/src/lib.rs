@@ -1,4 +1,4 @@
-//! Layer 3 of csalf: better meshes of the same boundary. [`smooth`] moves inner vertices, certified never to
+//! Layer 3 of csalf: better meshes of the same boundary. [`mod@smooth`] moves inner vertices, certified never to
 //! turn a quad over.
 
 pub mod cavity;

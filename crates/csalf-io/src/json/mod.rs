@@ -5,7 +5,7 @@
 //! 3. What serde cannot see (a law without its ratio, a length that is not positive) is checked here. Geometry is
 //!    not: that is `Domain::check`.
 //!
-//! [`write`] writes what [`read`] reads; numbers survive bit for bit. [`schema`] is the published JSON Schema.
+//! [`write()`] writes what [`read`] reads; numbers survive bit for bit. [`schema`] is the published JSON Schema.
 
 mod schema;
 #[cfg(test)]

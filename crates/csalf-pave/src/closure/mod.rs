@@ -10,7 +10,7 @@
 //! ```
 //!
 //! - [`Stencil`]: one cell of Table II: what is created, changed, withdrawn and merged.
-//! - [`march`]: the sequential advance, with the stencil at its end.
+//! - [`mod@march`]: the sequential advance, with the stencil at its end.
 //!
 //! Misprints of the tables, corrected here (handbook 2.5): right and right is XABC, not XYAC; right and reversal has
 //! PXAR, not PBAR; flat and flat also has QPXA; reversal and flat changes R"P"AB once; a reversal or right reversal
