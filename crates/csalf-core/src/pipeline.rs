@@ -106,7 +106,7 @@ fn mesh_once(job: &Job, options: &Options) -> Result<Meshed, MeshError> {
     let mut sets = sets(job, &arrangement);
     let mut mesh = QuadMesh { points: arrangement.points.clone(), ..QuadMesh::default() };
     let mut fixed = vec![true; mesh.points.len()];
-    let protected = collect(results, &triad, job, &mut mesh, &mut fixed, &mut sets, &mut report);
+    let protected = collect(results, &triad, &curves, &mut mesh, &mut fixed, &mut sets, &mut report);
     watch.lap("collect");
 
     let topology = clean(&mut mesh, fixed, protected, &mut sets, &arrangement, size.as_ref(), options);
@@ -223,17 +223,12 @@ fn layer_rules(options: &Options) -> Option<LayerRules> {
 fn collect(
     results: Vec<RegionResult>,
     triad: &Triad<'_>,
-    job: &Job,
+    curves: &Curves<'_>,
     mesh: &mut QuadMesh,
     fixed: &mut Vec<bool>,
     sets: &mut NamedSets,
     report: &mut MeshReport,
 ) -> Vec<bool> {
-    let curve_name = |k: usize| {
-        let d = &job.domain;
-        let names = d.loops.iter().map(|l| &l.name).chain(d.scars.iter().map(|s| &s.name));
-        names.chain(d.points.iter().map(|p| &p.name)).nth(k).cloned().unwrap_or_default()
-    };
     let mut trees = Vec::new();
     let mut frozen = Vec::new();
     let mut triangles = Vec::new();
@@ -264,7 +259,7 @@ fn collect(
         }
     }
     for ((curve, layer), quads) in layers {
-        sets.quads.push((format!("{}_layer{}", curve_name(curve as usize), layer + 1), quads));
+        sets.quads.push((format!("{}_layer{}", curves.names[curve as usize], layer + 1), quads));
     }
     protected
 }

@@ -22,7 +22,7 @@ pub(crate) struct Curves<'a> {
     /// Per input node: index into `names`, or `u32::MAX`. Loops win over scars, scars over points.
     of_node: Vec<u32>,
     /// Loops, then scars, then points.
-    names: Vec<&'a str>,
+    pub(crate) names: Vec<&'a str>,
     n_loops: usize,
     asked: Vec<Option<&'a LayerSpec>>,
 }
