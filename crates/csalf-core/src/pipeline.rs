@@ -159,7 +159,7 @@ fn members(options: &Options) -> Vec<Arc<dyn RegionMesher>> {
 }
 
 /// The certificate that every mesh carries: strictly convex quads by exact predicates, conforming, the given boundary
-/// and nothing else, the area of the domain. Together these exclude overlaps and gaps.
+/// and nothing else, the area of the domain (together these exclude overlaps and gaps), scars and hard points kept.
 fn certify(mesh: &QuadMesh, topology: &QuadTopology, arrangement: &Arrangement) -> Result<(), MeshError> {
     let fail = |detail: String| Err(MeshError::Internal { stage: "certify", detail });
     const CHUNK: usize = 1 << 14;
@@ -186,11 +186,7 @@ fn certify(mesh: &QuadMesh, topology: &QuadTopology, arrangement: &Arrangement) 
     if topology.n_bad_edges > 0 {
         return fail(format!("{} edges do not conform", topology.n_bad_edges));
     }
-    let n_boundary = topology.twin.iter().filter(|&&t| t == QuadTopology::NONE).count();
-    let n_segments = arrangement.loops.iter().map(Vec::len).sum::<usize>();
-    if mesh.triangles.is_empty() && n_boundary != n_segments {
-        return fail(format!("{n_boundary} boundary edges for {n_segments} boundary segments"));
-    }
+    certify_curves(mesh, topology, arrangement)?;
     // About a point of the domain, so that the digits are kept far from the origin.
     let o = mesh.points.first().copied().unwrap_or_default();
     let twice = |a: VertexId, b: VertexId, c: VertexId, d: VertexId| {
@@ -202,6 +198,52 @@ fn certify(mesh: &QuadMesh, topology: &QuadTopology, arrangement: &Arrangement) 
     let area = 0.5 * (quads + triangles);
     if (area - arrangement.area).abs() > AREA_TOLERANCE * arrangement.area {
         return fail(format!("the area is {area}, that of the domain {}", arrangement.area));
+    }
+    Ok(())
+}
+
+/// The part of [`certify`] that looks at curves: the edges used once are exactly the given segments, in direction;
+/// every scar segment is an edge; every hard point is used.
+fn certify_curves(
+    mesh: &QuadMesh,
+    topology: &QuadTopology,
+    arrangement: &Arrangement,
+) -> Result<(), MeshError> {
+    let fail = |detail: String| Err(MeshError::Internal { stage: "certify", detail });
+    let mut next = vec![None; arrangement.points.len()];
+    for l in &arrangement.loops {
+        for (i, &v) in l.iter().enumerate() {
+            next[v as usize] = Some(VertexId(l[(i + 1) % l.len()]));
+        }
+    }
+    let given = |a: VertexId, b: VertexId| next.get(a.index()).is_some_and(|&n| n == Some(b));
+    let ends = |h: usize| (mesh.quads[h / 4][h & 3], mesh.quads[h / 4][(h + 1) & 3]);
+    let sides = || mesh.triangles.iter().flat_map(|t| (0..3).map(|k| (t[k], t[(k + 1) % 3])));
+    let mut n_given = sides().filter(|&(a, b)| given(a, b)).count();
+    for (a, b) in (0..topology.twin.len()).filter(|&h| topology.twin[h] == QuadTopology::NONE).map(ends) {
+        if given(a, b) {
+            n_given += 1;
+        } else if !sides().any(|side| side == (b, a)) {
+            return fail(format!(
+                "edge {a} {b} is on the boundary of the mesh and not on that of the domain"
+            ));
+        }
+    }
+    let n_segments = arrangement.loops.iter().map(Vec::len).sum::<usize>();
+    if n_given != n_segments {
+        return fail(format!("{n_given} of {n_segments} boundary segments are edges"));
+    }
+    let is_edge = |a: VertexId, b: VertexId| topology.star(a).iter().any(|&h| ends(h as usize).1 == b);
+    for s in arrangement.scars.iter().flat_map(|s| s.windows(2)) {
+        let (a, b) = (VertexId(s[0]), VertexId(s[1]));
+        if !is_edge(a, b) && !is_edge(b, a) && !sides().any(|side| side == (a, b) || side == (b, a)) {
+            return fail(format!("scar segment {a} {b} is not an edge"));
+        }
+    }
+    for v in arrangement.hard_points.iter().map(|&v| VertexId(v)) {
+        if topology.n_quads_at(v) == 0 && !sides().any(|side| side.0 == v) {
+            return fail(format!("hard point {v} is not used"));
+        }
     }
     Ok(())
 }
