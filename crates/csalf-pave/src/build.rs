@@ -14,9 +14,10 @@ use crate::laws::{Thickness, isotropic};
 use crate::place::{PavingRules, Site, harmonic};
 use crate::relax;
 use crate::ring::{NoRing, Ring, Role, settle};
-use crate::shape::{scaled_jacobian, strictly_convex};
 use csalf_geom::Point2;
 use csalf_geom::angle::interior_angle;
+use csalf_mesh::quality::scaled_jacobian;
+use csalf_mesh::validate::is_strictly_convex;
 use csalf_sizemap::{Hint, SizeField};
 use std::f64::consts::PI;
 
@@ -254,7 +255,7 @@ impl Work {
             let (_, c) = self.around(j);
             let q = [x, i, j, c];
             let corners = q.map(|k| self.s.points[k]);
-            let good = strictly_convex(&corners) && scaled_jacobian(&corners) >= 0.3;
+            let good = is_strictly_convex(&corners) && scaled_jacobian::value(&corners) >= 0.3;
             if good && self.n() >= 8 && self.peeled.len() < MAX_PEELS && !order.user {
                 self.peeled.push((q.map(|k| self.s.nodes[k]), self.at[i]));
                 for k in [x, c] {

@@ -15,9 +15,10 @@
 
 use crate::Front;
 use crate::place::{PavingRules, Site};
-use crate::shape::{scaled_jacobian, strictly_convex};
 use csalf_geom::Point2;
 use csalf_geom::angle::interior_angle;
+use csalf_mesh::quality::scaled_jacobian;
+use csalf_mesh::validate::is_strictly_convex;
 
 /// Below this angle (degrees) a front is acute. Larger: more notches at sharp corners; smaller: thin tapered
 /// quads there. Handbook 2.2 (g).
@@ -114,7 +115,10 @@ pub fn trial(p: &[Point2; 7], front: Front, t: f64) -> f64 {
     let here = site(3);
     let (qa, qc) = (site(2).flat(), site(4).flat());
     let worst = |quads: &[[Point2; 4]]| {
-        quads.iter().map(|q| if strictly_convex(q) { scaled_jacobian(q) } else { -1.0 }).fold(1.0, f64::min)
+        quads
+            .iter()
+            .map(|q| if is_strictly_convex(q) { scaled_jacobian::value(q) } else { -1.0 })
+            .fold(1.0, f64::min)
     };
     match front {
         // An acute front is what is left when a corner of quality 0.3 cannot be had.

@@ -18,9 +18,10 @@ use crate::PavingRules;
 use crate::build::{Candidate, Failure, LoopState, NEW};
 use crate::index::{Index, Segment, distance};
 use crate::ring::Ring;
-use crate::shape::{scaled_jacobian, strictly_convex};
 use csalf_geom::predicates::{Meeting, meeting, orient2d};
 use csalf_geom::{Point2, polygon};
+use csalf_mesh::quality::scaled_jacobian;
+use csalf_mesh::validate::is_strictly_convex;
 use csalf_sizemap::{Hint, SizeField};
 
 /// Why the layers of a loop end.
@@ -73,7 +74,7 @@ pub(crate) fn own_quads(c: &Candidate, all: &[Point2], user: bool) -> Result<(),
     let mut at = Vec::new();
     for (q, &i) in c.quads.iter().zip(&c.quad_at) {
         let p = q.map(|v| if v >= NEW { c.points[(v - NEW) as usize] } else { all[v as usize] });
-        if !strictly_convex(&p) || scaled_jacobian(&p) < floor {
+        if !is_strictly_convex(&p) || scaled_jacobian::value(&p) < floor {
             at.push(i);
         }
     }

@@ -19,7 +19,6 @@ pub mod mesher;
 pub mod place;
 pub mod relax;
 pub mod ring;
-pub mod shape;
 pub mod spec;
 
 pub use driver::{LayerTask, Layers, Walk, WalkKind, WalkReport, pave_layers};

@@ -1,7 +1,7 @@
 use super::*;
 use crate::LayerLaw;
-use crate::shape::strictly_convex;
 use csalf_geom::predicates::{Meeting, meeting};
+use csalf_mesh::validate::is_strictly_convex;
 use csalf_sizemap::Uniform;
 use proptest::prelude::*;
 use std::f64::consts::TAU;
@@ -54,7 +54,7 @@ impl Shape {
     fn check(&self, out: &Layers) {
         let all: Vec<Point2> = self.points.iter().chain(&out.points).copied().collect();
         let at = |v: u32| all[v as usize];
-        assert!(out.quads.iter().all(|q| strictly_convex(&q.map(at))), "a quad is not convex");
+        assert!(out.quads.iter().all(|q| is_strictly_convex(&q.map(at))), "a quad is not convex");
         assert_eq!(out.quads.len(), out.quad_layer.len());
         // Walks are covered by quads and fronts, once each; inside, every side has its twin.
         let cyclic = |w: &[u32]| (0..w.len()).map(|i| (w[i], w[(i + 1) % w.len()])).collect::<Vec<_>>();
