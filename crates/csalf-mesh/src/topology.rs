@@ -109,6 +109,24 @@ impl QuadTopology {
         (self.star_start[v.index() + 1] - self.star_start[v.index()]) as usize
     }
 
+    /// The neighbours of `v` on the boundary: before and after it, material on the left. `None` if it is not on the
+    /// boundary, or if the boundary passes more than once. `quads` must be those of the topology.
+    pub fn boundary_neighbours(&self, v: VertexId, quads: &[[VertexId; 4]]) -> Option<[VertexId; 2]> {
+        let (mut before, mut after, mut n_out) = (None, None, 0);
+        for &h in self.star(v) {
+            let q = quads[(h / 4) as usize];
+            if self.twin[h as usize] == Self::NONE {
+                after = Some(q[((h + 1) & 3) as usize]);
+                n_out += 1;
+            }
+            let previous = (h & !3) | ((h + 3) & 3);
+            if self.twin[previous as usize] == Self::NONE {
+                before = Some(q[((h + 3) & 3) as usize]);
+            }
+        }
+        if n_out == 1 { Some([before?, after?]) } else { None }
+    }
+
     /// Inner vertices whose valence is not 4, ascending.
     pub fn irregular(&self) -> Vec<VertexId> {
         (0..self.on_boundary.len())
@@ -160,6 +178,7 @@ mod tests {
         assert!(t.on_boundary.iter().all(|&b| b));
         assert_eq!(t.n_bad_edges, 0);
         assert_eq!(t.n_quads_at(v(1)), 2);
+        assert_eq!(t.boundary_neighbours(v(1), &q), Some([v(0), v(2)]));
     }
 
     #[test]

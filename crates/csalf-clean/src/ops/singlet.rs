@@ -53,21 +53,9 @@ impl CleanOp for Singlet {
 /// twice.
 fn boundary_angle(site: &Site<'_>, v: u32) -> Option<f64> {
     let Site { mesh, topology, .. } = *site;
-    let (mut before, mut after, mut n_out) = (None, None, 0);
-    for &h in topology.star(VertexId(v)) {
-        let q = mesh.quads[(h / 4) as usize];
-        if topology.twin[h as usize] == QuadTopology::NONE {
-            after = Some(q[((h + 1) & 3) as usize]);
-            n_out += 1;
-        }
-        let previous = (h & !3) | ((h + 3) & 3);
-        if topology.twin[previous as usize] == QuadTopology::NONE {
-            before = Some(q[((h + 3) & 3) as usize]);
-        }
-    }
+    let [before, after] = topology.boundary_neighbours(VertexId(v), &mesh.quads)?;
     let p = |v: VertexId| mesh.points[v.index()];
-    (n_out == 1).then_some(())?;
-    Some(interior_angle(p(before?), p(VertexId(v)), p(after?)))
+    Some(interior_angle(p(before), p(VertexId(v)), p(after)))
 }
 
 /// True if `v` can do with one quad less.

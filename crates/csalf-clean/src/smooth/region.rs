@@ -322,24 +322,12 @@ fn target_angle(mesh: &QuadMesh, topology: &QuadTopology, v: VertexId) -> [f64; 
     let d = topology.n_quads_at(v);
     let mut total = TAU;
     if topology.on_boundary[v.index()] {
-        let (mut before, mut after, mut n_out) = (None, None, 0);
-        for &h in topology.star(v) {
-            let q = mesh.quads[(h / 4) as usize];
-            if topology.twin[h as usize] == QuadTopology::NONE {
-                after = Some(q[((h + 1) & 3) as usize]);
-                n_out += 1;
-            }
-            let previous = (h & !3) | ((h + 3) & 3);
-            if topology.twin[previous as usize] == QuadTopology::NONE {
-                before = Some(q[((h + 3) & 3) as usize]);
-            }
-        }
         // Where the boundary passes twice, there is no telling the quads of one pass from those of the other.
-        total = match (before, after) {
-            (Some(a), Some(c)) if n_out == 1 => {
+        total = match topology.boundary_neighbours(v, &mesh.quads) {
+            Some([a, c]) => {
                 interior_angle(mesh.points[a.index()], mesh.points[v.index()], mesh.points[c.index()])
             }
-            _ => d as f64 * TAU / 4.0,
+            None => d as f64 * TAU / 4.0,
         };
     }
     let (s, c) = (total / d.max(1) as f64).clamp(ANGLE_MARGIN, TAU / 2.0 - ANGLE_MARGIN).sin_cos();
