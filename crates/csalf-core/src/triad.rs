@@ -90,7 +90,7 @@ impl<'a> Triad<'a> {
     /// [`Unfilled`] if every member refuses some sub-contour.
     pub fn fill(&self, contour: &Contour) -> Result<Filled, Unfilled> {
         // Meshers see ids that do not depend on the order in which the threads took theirs: the first occurrence.
-        let shown = Contour { ids: first_occurrences(&contour.ids), ..contour.clone() };
+        let shown = Contour { ids: contour.first_occurrences(), ..contour.clone() };
         let task = RegionTask { contour: &shown, size: self.size, tolerance: self.tolerance };
         for (member, taken) in self.members.iter().zip(&self.taken) {
             match member.mesh(&task) {
@@ -146,19 +146,6 @@ impl<'a> Triad<'a> {
     }
 }
 
-/// For every entry the index of the first equal one.
-fn first_occurrences(ids: &[u32]) -> Vec<u32> {
-    let mut order: Vec<u32> = (0..ids.len() as u32).collect();
-    order.sort_unstable_by_key(|&i| (ids[i as usize], i));
-    let mut out = vec![0; ids.len()];
-    for same in order.chunk_by(|&a, &b| ids[a as usize] == ids[b as usize]) {
-        for &i in same {
-            out[i as usize] = same[0];
-        }
-    }
-    out
-}
-
 impl Filled {
     /// A result made elsewhere (bridges, layers): points `first_id ..` and quads, without children.
     pub fn leaf(first_id: u32, points: Vec<Point2>, quads: Vec<[u32; 4]>) -> Self {
@@ -203,16 +190,5 @@ impl Filled {
             quads.extend(f.quads.iter().map(|q| q.map(|v| VertexId(number[v as usize]))));
         }
         (quads, number)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::first_occurrences;
-
-    #[test]
-    fn ids_become_first_occurrences() {
-        assert_eq!(first_occurrences(&[7, 3, 7, 9, 3]), [0, 1, 0, 3, 1]);
-        assert_eq!(first_occurrences(&[]), [0u32; 0]);
     }
 }

@@ -81,6 +81,20 @@ impl Contour {
         self.flags.push(flags);
     }
 
+    /// For every occurrence the first one of the same node. Cost O(n log n).
+    pub fn first_occurrences(&self) -> Vec<u32> {
+        let ids = &self.ids;
+        let mut order: Vec<u32> = (0..ids.len() as u32).collect();
+        order.sort_unstable_by_key(|&i| (ids[i as usize], i));
+        let mut out = vec![0; ids.len()];
+        for same in order.chunk_by(|&a, &b| ids[a as usize] == ids[b as usize]) {
+            for &i in same {
+                out[i as usize] = same[0];
+            }
+        }
+        out
+    }
+
     /// Interior angle at occurrence `i`, in (0, 2π]; 2π at a slit tip (both neighbours are one node).
     pub fn angle(&self, i: usize) -> f64 {
         let n = self.len();
@@ -201,4 +215,16 @@ pub trait RegionMesher: Send + Sync + std::fmt::Debug {
     /// # Errors
     /// A [`Refusal`]: the mesher leaves this contour to others.
     fn mesh(&self, task: &RegionTask<'_>) -> Result<Patch, Refusal>;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Contour;
+
+    #[test]
+    fn ids_become_first_occurrences() {
+        let of = |ids: &[u32]| Contour { ids: ids.to_vec(), ..Contour::default() }.first_occurrences();
+        assert_eq!(of(&[7, 3, 7, 9, 3]), [0, 1, 0, 3, 1]);
+        assert_eq!(of(&[]), [0u32; 0]);
+    }
 }

@@ -25,17 +25,9 @@ const FAT: f64 = 1.5;
 
 fn state_of(c: &Contour) -> LoopState {
     let n = c.len();
-    // Occurrences of one node share the name of the first.
-    let mut by_id: Vec<(u32, u32)> = c.ids.iter().zip(0..).map(|(&id, i)| (id, i)).collect();
-    by_id.sort_unstable();
-    let mut nodes: Vec<u32> = (0..n as u32).collect();
-    for same in by_id.chunk_by(|a, b| a.0 == b.0) {
-        for (_, i) in same {
-            nodes[*i as usize] = same[0].1;
-        }
-    }
     LoopState {
-        nodes,
+        // Occurrences of one node share the name of the first.
+        nodes: c.first_occurrences(),
         points: c.points.clone(),
         below: vec![0; n],
         open: vec![true; n],
