@@ -189,7 +189,7 @@ fn choose(
             local_of[v as usize] = nodes.len() as u32;
             nodes.push(v);
             let p = input.points[v as usize];
-            vertices.push(SpadePoint::new(clean(p.x), clean(p.y)));
+            vertices.push(crate::triangulable(p));
         }
     }
     let mut edges = Vec::new();
@@ -243,12 +243,6 @@ fn choose(
         Some(walk) => Err(BridgeError::Unreachable { walk }),
         None => Ok(bridges),
     }
-}
-
-/// The triangulation refuses coordinates that are not zero but below 1e-43 or so; they are zero at any scale that
-/// the mesher works at.
-fn clean(x: f64) -> f64 {
-    if x.abs() < spade::MIN_ALLOWED_VALUE { 0.0 } else { x }
 }
 
 /// Step 5.

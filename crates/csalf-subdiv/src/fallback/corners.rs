@@ -122,8 +122,7 @@ fn weld(contour: &Contour) -> Result<(Vec<u32>, Vec<Point2>), FallbackError> {
 /// The constrained Delaunay triangulation of the nodes. Coordinates that differ from 0 by less than the library
 /// accepts are taken as 0; the final checks use the true ones.
 fn load(vertex: &[u32], points: Vec<Point2>) -> Result<Cdt, FallbackError> {
-    let snap = |x: f64| if x.abs() < spade::MIN_ALLOWED_VALUE { 0.0 } else { x };
-    let points = points.into_iter().map(|p| spade::Point2::new(snap(p.x), snap(p.y))).collect::<Vec<_>>();
+    let points = points.into_iter().map(crate::triangulable).collect::<Vec<_>>();
     let n = vertex.len();
     let n_nodes = points.len();
     let mut edges = Vec::with_capacity(n);
