@@ -196,7 +196,7 @@ fn certify(mesh: &QuadMesh, topology: &QuadTopology, arrangement: &Arrangement) 
     let quads: f64 = mesh.quads.iter().map(|q| twice(q[0], q[1], q[2], q[3])).sum();
     let triangles: f64 = mesh.triangles.iter().map(|t| twice(t[0], t[1], t[2], t[0])).sum();
     let area = 0.5 * (quads + triangles);
-    if (area - arrangement.area).abs() > AREA_TOLERANCE * arrangement.area {
+    if (area - arrangement.area).abs() > validate::AREA_TOLERANCE * arrangement.area {
         return fail(format!("the area is {area}, that of the domain {}", arrangement.area));
     }
     Ok(())
@@ -247,9 +247,6 @@ fn certify_curves(
     }
     Ok(())
 }
-
-/// Relative; the judge's tolerance. Rounding of a million-quad sum stays below 1e-12.
-const AREA_TOLERANCE: f64 = 1e-9;
 
 /// Which layers a method makes; `None` for none at all.
 fn layer_rules(options: &Options) -> Option<LayerRules> {
