@@ -10,6 +10,9 @@ pub enum MeshError {
     /// The wanted sizes are invalid.
     #[error("the wanted sizes are invalid: {0}")]
     Size(#[from] csalf_sizemap::SizeError),
+    /// The caller's [`crate::Watch`] ended the run.
+    #[error("cancelled")]
+    Cancelled,
     /// A defect of this program: the stage and what it found. Please report it with the input.
     #[error("internal error in stage {stage}: {detail}")]
     Internal {

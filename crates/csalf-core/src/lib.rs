@@ -9,16 +9,26 @@ mod pipeline;
 mod region;
 pub mod report;
 pub mod triad;
+pub mod watch;
 
 pub use error::MeshError;
 pub use job::Job;
 pub use options::{Method, Options, Preset};
 pub use report::{LoopReport, MeshReport, Meshed, Timing, Warning};
+pub use watch::Watch;
 
 /// Meshes a job.
 ///
 /// # Errors
 /// [`MeshError::Invalid`] lists everything that is wrong with the input; [`MeshError::Internal`] is our fault.
 pub fn mesh(job: &Job, options: &Options) -> Result<Meshed, MeshError> {
-    pipeline::run(job, options)
+    mesh_watched(job, options, &())
+}
+
+/// As [`mesh`], under the eyes of `watch`.
+///
+/// # Errors
+/// As [`mesh`], and [`MeshError::Cancelled`] if the watch says so before the mesh is finished.
+pub fn mesh_watched(job: &Job, options: &Options, watch: &dyn Watch) -> Result<Meshed, MeshError> {
+    pipeline::run(job, options, watch)
 }

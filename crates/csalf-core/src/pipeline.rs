@@ -9,7 +9,7 @@
 use crate::cleaning::clean;
 use crate::region::{Curves, LayerRules, RegionResult, mesh_region};
 use crate::triad::{Filled, Triad};
-use crate::{Job, MeshError, MeshReport, Meshed, Method, Options, Preset, Warning};
+use crate::{Job, MeshError, MeshReport, Meshed, Method, Options, Preset, Warning, Watch};
 use csalf_geom::arrangement::{Arrangement, CheckOptions};
 use csalf_geom::{Point2, QuadId, VertexId};
 use csalf_mesh::validate;
@@ -24,40 +24,57 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Measures the stages of one run.
-struct Stopwatch {
+/// Measures the stages of one run and tells them to the caller.
+struct Stopwatch<'a> {
+    watch: &'a dyn Watch,
     start: Instant,
     last: Instant,
+    current: &'static str,
     stages: Vec<(&'static str, f64)>,
 }
 
-impl Stopwatch {
-    fn new() -> Self {
+impl<'a> Stopwatch<'a> {
+    fn new(watch: &'a dyn Watch) -> Self {
         let now = Instant::now();
-        Self { start: now, last: now, stages: Vec::new() }
+        Self { watch, start: now, last: now, current: "", stages: Vec::new() }
     }
-    fn lap(&mut self, stage: &'static str) {
-        let now = Instant::now();
-        self.stages.push((stage, (now - self.last).as_secs_f64()));
-        tracing::info!(stage, seconds = (now - self.last).as_secs_f64(), "done");
+
+    /// Ends the stage that runs.
+    fn end(&mut self) {
+        let (stage, now) = (self.current, Instant::now());
+        if !stage.is_empty() {
+            self.stages.push((stage, (now - self.last).as_secs_f64()));
+            tracing::info!(stage, seconds = (now - self.last).as_secs_f64(), "done");
+        }
         self.last = now;
+    }
+
+    /// Ends the stage that runs and begins `stage`, unless the caller has had enough.
+    fn begin(&mut self, stage: &'static str) -> Result<(), MeshError> {
+        self.end();
+        if self.watch.cancelled() {
+            return Err(MeshError::Cancelled);
+        }
+        self.current = stage;
+        self.watch.stage(stage);
+        Ok(())
     }
 }
 
-pub(crate) fn run(job: &Job, options: &Options) -> Result<Meshed, MeshError> {
+pub(crate) fn run(job: &Job, options: &Options, watch: &dyn Watch) -> Result<Meshed, MeshError> {
     match options.threads {
-        0 => run_here(job, options),
+        0 => run_here(job, options, watch),
         n => rayon::ThreadPoolBuilder::new()
             .num_threads(n)
             .build()
             .map_err(|e| MeshError::Internal { stage: "threads", detail: e.to_string() })?
-            .install(|| run_here(job, options)),
+            .install(|| run_here(job, options, watch)),
     }
 }
 
 /// Meshes with the options as given. If the certificate refuses the result (a defect of ours, on a domain at the limits
 /// of floating-point numbers), again without cavities, then by subdivision alone; the report says so.
-fn run_here(job: &Job, options: &Options) -> Result<Meshed, MeshError> {
+fn run_here(job: &Job, options: &Options, watch: &dyn Watch) -> Result<Meshed, MeshError> {
     let mut attempts = vec![options.clone()];
     if (options.method, options.preset) == (Method::Csalf, Preset::Quality) {
         attempts.push(Options { preset: Preset::Fast, ..options.clone() });
@@ -67,7 +84,8 @@ fn run_here(job: &Job, options: &Options) -> Result<Meshed, MeshError> {
     }
     let mut refused = Vec::new();
     for attempt in &attempts {
-        match mesh_once(job, attempt) {
+        match mesh_once(job, attempt, watch) {
+            Err(_) if watch.cancelled() => return Err(MeshError::Cancelled),
             Err(e @ MeshError::Internal { .. }) => refused.push(e),
             Ok(mut meshed) => {
                 let retried = |e: &MeshError| Warning::Retried { reason: e.to_string() };
@@ -80,19 +98,21 @@ fn run_here(job: &Job, options: &Options) -> Result<Meshed, MeshError> {
     Err(refused.swap_remove(0))
 }
 
-fn mesh_once(job: &Job, options: &Options) -> Result<Meshed, MeshError> {
-    let mut watch = Stopwatch::new();
+fn mesh_once(job: &Job, options: &Options, watch: &dyn Watch) -> Result<Meshed, MeshError> {
+    let mut stages = Stopwatch::new(watch);
     let mut report = MeshReport::default();
 
+    stages.begin("check")?;
     let check = CheckOptions { repair_parity: options.repair_parity, allow_odd: options.allow_triangles };
     let arrangement = Arrangement::new(&job.domain, &check).map_err(MeshError::Invalid)?;
-    watch.lap("check");
 
+    stages.begin("size")?;
     let size = size_field(job, options, &arrangement)?;
-    watch.lap("size");
 
+    stages.begin("fill")?;
     let members = members(options);
-    let triad = Triad::new(&members, size.as_ref(), arrangement.tolerance, arrangement.points.len() as u32);
+    let triad = Triad::new(&members, size.as_ref(), arrangement.tolerance, arrangement.points.len() as u32)
+        .watched(watch);
     let curves = Curves::new(job, &arrangement);
     let layer_rules = layer_rules(options);
     let results: Vec<RegionResult> = arrangement
@@ -101,21 +121,22 @@ fn mesh_once(job: &Job, options: &Options) -> Result<Meshed, MeshError> {
         .map(|region| mesh_region(region, &arrangement, &curves, layer_rules, size.as_ref(), &triad))
         .collect::<Result<_, MeshError>>()?;
     report.members = triad.tally();
-    watch.lap("fill");
 
+    stages.begin("collect")?;
     let mut sets = sets(job, &arrangement);
     let mut mesh = QuadMesh { points: arrangement.points.clone(), ..QuadMesh::default() };
     let mut fixed = vec![true; mesh.points.len()];
     let protected = collect(results, &triad, &curves, &mut mesh, &mut fixed, &mut sets, &mut report);
-    watch.lap("collect");
 
+    stages.begin("clean")?;
     let topology = clean(&mut mesh, fixed, protected, &mut sets, &arrangement, size.as_ref(), options);
-    watch.lap("clean");
-    certify(&mesh, &topology, &arrangement)?;
-    watch.lap("certify");
 
-    report.timing.stages = watch.stages;
-    report.timing.wall_s = watch.start.elapsed().as_secs_f64();
+    stages.begin("certify")?;
+    certify(&mesh, &topology, &arrangement)?;
+    stages.end();
+
+    report.timing.wall_s = stages.start.elapsed().as_secs_f64();
+    report.timing.stages = stages.stages;
     Ok(Meshed { sets, mesh, report })
 }
 

@@ -10,6 +10,7 @@
 //! New points get provisional ids from a shared counter while the recursion runs; [`Filled::collect`] then numbers
 //! them in tree order, so that the mesh does not depend on the number of threads.
 
+use crate::Watch;
 use csalf_geom::{Point2, Tolerance, VertexId};
 use csalf_mesh::{Contour, NodeFlags, Patch, RegionMesher, RegionTask};
 use csalf_sizemap::{Hint, SizeField};
@@ -21,13 +22,19 @@ use std::sync::atomic::{AtomicU32, AtomicUsize, Ordering};
 const PARALLEL_MIN: usize = 64;
 
 /// The members in the order in which they are asked.
-#[derive(Debug)]
 pub struct Triad<'a> {
     members: &'a [Arc<dyn RegionMesher>],
     size: &'a dyn SizeField,
     tolerance: Tolerance,
     next_id: AtomicU32,
     taken: Vec<AtomicUsize>,
+    watch: &'a dyn Watch,
+}
+
+impl std::fmt::Debug for Triad<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Triad").field("members", &self.members).finish_non_exhaustive()
+    }
 }
 
 /// What became of one contour: the patch of its own step in provisional ids, and its children.
@@ -66,7 +73,13 @@ impl<'a> Triad<'a> {
             tolerance,
             next_id: AtomicU32::new(first_id),
             taken: members.iter().map(|_| AtomicUsize::new(0)).collect(),
+            watch: &(),
         }
+    }
+
+    /// The same, giving up all contours once `watch` is cancelled.
+    pub fn watched(self, watch: &'a dyn Watch) -> Self {
+        Self { watch, ..self }
     }
 
     /// How many contours each member took so far.
@@ -87,12 +100,15 @@ impl<'a> Triad<'a> {
     /// Fills a contour completely.
     ///
     /// # Errors
-    /// [`Unfilled`] if every member refuses some sub-contour.
+    /// [`Unfilled`] if every member refuses some sub-contour, or the watch is cancelled.
     pub fn fill(&self, contour: &Contour) -> Result<Filled, Unfilled> {
         // Meshers see ids that do not depend on the order in which the threads took theirs: the first occurrence.
         let shown = Contour { ids: contour.first_occurrences(), ..contour.clone() };
         let task = RegionTask { contour: &shown, size: self.size, tolerance: self.tolerance };
         for (member, taken) in self.members.iter().zip(&self.taken) {
+            if self.watch.cancelled() {
+                break;
+            }
             match member.mesh(&task) {
                 // A step that leaves something nobody can fill was a bad one: it is dropped.
                 Ok(patch) => match self.commit(contour, patch) {

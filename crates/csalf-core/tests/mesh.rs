@@ -109,3 +109,38 @@ fn an_odd_loop_needs_one_triangle_or_is_refused() {
     assert_eq!(m.mesh.triangles.len(), 1);
     assert_eq!(QuadTopology::new(m.mesh.n_vertices(), &m.mesh.quads).n_bad_edges, 0);
 }
+
+/// Ends the run when a stage begins.
+struct Until {
+    stage: &'static str,
+    seen: std::sync::Mutex<Vec<&'static str>>,
+}
+
+impl csalf_core::Watch for Until {
+    fn stage(&self, name: &'static str) {
+        self.seen.lock().unwrap().push(name);
+    }
+    fn cancelled(&self) -> bool {
+        self.seen.lock().unwrap().contains(&self.stage)
+    }
+}
+
+#[test]
+fn a_run_can_be_followed_and_ended() {
+    let job = Job {
+        domain: Domain::new(rectangle(4.0, 3.0, 4, 3)),
+        size: SizeSpec::Uniform { h: 1.0 },
+        ..Job::default()
+    };
+    let all = ["check", "size", "fill", "collect", "clean", "certify"];
+    for (i, stage) in all.into_iter().chain(["never"]).enumerate() {
+        let watch = Until { stage, seen: Default::default() };
+        let result = csalf_core::mesh_watched(&job, &Options::default(), &watch);
+        assert_eq!(*watch.seen.lock().unwrap(), all[..(i + 1).min(6)]);
+        match result {
+            // In the last stage nobody asks any more.
+            Ok(_) => assert!(i >= 5),
+            Err(e) => assert!(matches!(e, MeshError::Cancelled), "{e}"),
+        }
+    }
+}
