@@ -22,21 +22,31 @@ const SMOOTH_TO: f64 = 1.1;
 /// Lines of at most this many segments may take that way; in longer ones a spot may hide between the samples.
 const SHORT: f64 = 8.0;
 
+/// Where they differ by more than this factor, cells are halved until the sizes in each are nearly linear: in equal
+/// cells the first segment beside a fine spot would come out many times too long.
+const HALVE_FROM: f64 = 6.0;
+/// Cells are halved while that changes W by more than this, in segments. Larger: faster, nodes less exact.
+const HALVE_ERROR: f64 = 0.05;
+/// Smallest cell: 2⁻²⁴ of the line.
+const HALVINGS: u32 = 24;
+
 /// The integral of 1/h along a line, sampled: answers how many segments the line wants and where they end.
 #[derive(Clone, Debug)]
 pub struct LineSizes {
-    /// W at the samples, which are equally spaced in the line's parameter; `w[0]` = 0.
+    /// W at the ends of the cells; `w[0]` = 0.
     w: [f64; MAX_SAMPLES + 1],
+    /// The line's parameter there, if the cells are not of equal length.
+    t: Option<Box<[f64; MAX_SAMPLES + 1]>>,
     samples: usize,
 }
 
 impl LineSizes {
     /// Samples 1/h on the segment from `a` to `b`. Cost: none for a constant field, 3 size queries for a short line
     /// along which h hardly varies, else 3 and about one per wanted segment (4 to 64), twice to thrice as many where
-    /// sizes differ by more than 2.
+    /// sizes differ by more than 2, at most 128 more where they differ by more than 6.
     pub fn new(a: Point2, b: Point2, field: &dyn SizeField, hint: &mut Hint) -> Self {
         let l = a.distance(b);
-        let mut out = Self { w: [0.0; MAX_SAMPLES + 1], samples: 1 };
+        let mut out = Self { w: [0.0; MAX_SAMPLES + 1], t: None, samples: 1 };
         if let Some(h) = field.constant() {
             out.w[1] = l / h;
             return out;
@@ -58,11 +68,51 @@ impl LineSizes {
         // Of a line without length or with NaN in it the cast gives 0.
         let first = first.max(4);
         let fine = spread > FINE_FROM;
+        let ends = spread;
         let spread = out.integrate(if fine { 2 * first } else { first }, l, &mut rate);
-        if !fine && spread > FINE_FROM {
+        if spread.max(ends) > HALVE_FROM {
+            out.halve(l, &mut rate);
+        } else if !fine && spread > FINE_FROM {
             out.integrate(2 * first, l, &mut rate);
         }
         out
+    }
+
+    /// As [`Self::integrate`], in cells that are halved until h is nearly linear in each. At least 8 cells, from left
+    /// to right; when there are as many as fit, the rest stay as they are.
+    fn halve(&mut self, l: f64, rate: &mut impl FnMut(f64) -> f64) {
+        // ∫ ds/h where h is linear between its ends, per unit of length.
+        let mean = |r0: f64, r1: f64| {
+            let k = r0 / r1;
+            if (k - 1.0).abs() < 1e-4 { 0.5 * (r0 + r1) } else { r0 * k.ln() / (k - 1.0) }
+        };
+        let mut ends = Box::new([0.0; MAX_SAMPLES + 1]);
+        let mut m = 0;
+        // Right ends of the cells that wait, the next one last: parameter, rate there, halvings left.
+        let mut waiting: Vec<(f64, f64, u32)> =
+            (1..=8).rev().map(|i| (0.125 * f64::from(i), rate(0.125 * f64::from(i)), HALVINGS - 3)).collect();
+        let (mut t0, mut r0) = (0.0, rate(0.0));
+        while let Some((t1, r1, left)) = waiting.pop() {
+            let whole = l * (t1 - t0) * mean(r0, r1);
+            if left > 0 && m + waiting.len() + 2 <= MAX_SAMPLES {
+                let tm = 0.5 * (t0 + t1);
+                let rm = rate(tm);
+                let halves = 0.5 * l * (t1 - t0) * (mean(r0, rm) + mean(rm, r1));
+                // Nodes lie evenly in a cell: off by W ln(r1 / r0) / 8 segments in its middle.
+                let uneven = whole.max(halves) * (r1 / r0).ln().abs() > 12.0 * HALVE_ERROR;
+                if uneven || (whole - halves).abs() > HALVE_ERROR {
+                    waiting.push((t1, r1, left - 1));
+                    waiting.push((tm, rm, left - 1));
+                    continue;
+                }
+            }
+            self.w[m + 1] = self.w[m] + whole;
+            ends[m + 1] = t1;
+            m += 1;
+            (t0, r0) = (t1, r1);
+        }
+        self.t = Some(ends);
+        self.samples = m;
     }
 
     /// Midpoint rule in `m` cells; returns the largest ratio of two samples.
@@ -90,7 +140,10 @@ impl LineSizes {
         let k = self.w[1..=m].partition_point(|&w| w < target).min(m - 1);
         let (w0, w1) = (self.w[k], self.w[k + 1]);
         let f = if w1 > w0 { (target - w0) / (w1 - w0) } else { 0.5 };
-        (k as f64 + f) / m as f64
+        match &self.t {
+            Some(t) => t[k] + f * (t[k + 1] - t[k]),
+            None => (k as f64 + f) / m as f64,
+        }
     }
 }
 
@@ -158,6 +211,32 @@ mod tests {
                     assert!(miss < most, "node {i} of {n}, ratio {ratio}, {wanted}: {miss}");
                 }
             }
+        }
+    }
+
+    /// From the tip of an aerofoil into its far field: sizes grow ten thousandfold. Equal cells placed the first
+    /// node fifteen times too far away.
+    #[test]
+    fn a_fine_spot_at_one_end() {
+        let (l, h0, slope) = (15.0, 8e-4, 0.5);
+        for far_end in [false, true] {
+            let f = Steep(
+                if far_end { h0 + slope * l } else { h0 },
+                if far_end { -slope } else { slope },
+                0.into(),
+            );
+            let s = LineSizes::new(Point2::ZERO, Point2::new(l, 0.0), &f, &mut Hint::default());
+            let wanted = (slope * l / h0).ln_1p() / slope;
+            assert!((s.wanted_segments() - wanted).abs() < 0.3, "{} against {wanted}", s.wanted_segments());
+            let n = wanted.round() as usize;
+            for i in 1..n {
+                let at = |i: usize| h0 / slope * ((slope * wanted * i as f64 / n as f64).exp() - 1.0);
+                let x =
+                    if far_end { l * (1.0 - s.parameter(n - i, n - 1)) } else { l * s.parameter(i, n - 1) };
+                let miss = (x - at(i)).abs() / (at(i + 1) - at(i));
+                assert!(miss < 0.15, "node {i} of {n}: {x} against {}", at(i));
+            }
+            assert!(f.2.into_inner() < 400);
         }
     }
 
