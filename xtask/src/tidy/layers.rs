@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!   6  cli  python  bench                xtask and the testkit stand beside the tower:
-//!   5  io                                xtask may see all; the testkit all up to io,
+//!   5  surface  io                       xtask may see all; the testkit all up to io,
 //!   4  core                              and anyone may use it in tests
 //!   3  pave  subdiv  tfi  clean
 //!   2  mesh
@@ -16,7 +16,7 @@ use super::{list, text};
 use serde_json::Value;
 
 /// The layer of each crate of ours.
-const LAYERS: [(&str, u32); 14] = [
+const LAYERS: [(&str, u32); 15] = [
     ("csalf-geom", 0),
     ("csalf-sizemap", 1),
     ("csalf-mesh", 2),
@@ -25,6 +25,7 @@ const LAYERS: [(&str, u32); 14] = [
     ("csalf-tfi", 3),
     ("csalf-clean", 3),
     ("csalf-core", 4),
+    ("csalf-surface", 5),
     ("csalf-io", 5),
     ("csalf-testkit", 6),
     ("csalf-cli", 6),
