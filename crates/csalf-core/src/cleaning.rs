@@ -13,6 +13,11 @@ use csalf_mesh::{NamedSets, QuadMesh, QuadTopology};
 use csalf_sizemap::SizeField;
 use csalf_tfi::{TfiRules, Transfinite};
 
+/// The last smoothing: nearly all that is not perfect, and some rings around it; the more weight on size, the more edges
+/// are as long as they should be (measured: 0.2 to 0.3 gives 0.5 % more of them and 0.001 less of the mean scaled Jacobian).
+const POLISH: SmoothOptions =
+    SmoothOptions { threshold: 0.96, rings: 4, lambda: 0.3, ..SmoothOptions::DEFAULT };
+
 /// Cleans and smooths the mesh; returns its topology. `fixed` (per vertex) must not move, `protected` (per
 /// quad) must stay. The sets follow the new numbers.
 pub(crate) fn clean(
@@ -24,13 +29,16 @@ pub(crate) fn clean(
     size: &dyn SizeField,
     options: &Options,
 ) -> QuadTopology {
-    let smoothing = SmoothOptions::default();
+    let quality = options.method == Method::Csalf && options.preset == Preset::Quality;
+    // What cavities change is smoothed again.
+    let smoothing =
+        if quality { SmoothOptions { sweeps: 4, ..Default::default() } } else { Default::default() };
     let scars = arrangement.scars.iter();
     let kept: Vec<[VertexId; 2]> =
         scars.flat_map(|s| s.windows(2).map(|w| [VertexId(w[0]), VertexId(w[1])])).collect();
     let (repaired, topology) = repair(mesh, &mut fixed, &mut protected, &kept, size, &smoothing);
     renumber(sets, &repaired.quads);
-    if options.method != Method::Csalf || options.preset != Preset::Quality {
+    if !quality {
         return topology;
     }
     let task = CavityTask {
@@ -43,10 +51,8 @@ pub(crate) fn clean(
         rules: CavityRules::default(),
     };
     let cleaned = refill_cavities(mesh, &topology, &task);
-    tracing::info!(seeds = cleaned.n_seeds, tried = cleaned.tried, taken = cleaned.taken, "cavities");
-    if cleaned.taken == 0 {
-        return topology;
-    }
+    tracing::info!(seeds = cleaned.n_seeds, tried = cleaned.tried, taken = cleaned.taken, small = cleaned.small, rejected = ?cleaned.rejected,
+        "cavities");
     renumber(sets, &cleaned.quads);
     let mut still = vec![false; mesh.n_vertices()];
     for v in (0..fixed.len()).filter(|&v| fixed[v]) {
@@ -56,7 +62,7 @@ pub(crate) fn clean(
         }
     }
     let topology = QuadTopology::new(mesh.n_vertices(), &mesh.quads);
-    finish(mesh, &topology, &still, size, &smoothing);
+    finish(mesh, &topology, &still, size, &POLISH);
     topology
 }
 

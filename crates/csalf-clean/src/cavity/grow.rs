@@ -24,6 +24,10 @@ const AMBIGUOUS: f64 = 12.0 / 90.0 * FRAC_PI_2;
 /// An inner vertex counts as much as this many on the boundary, where one quad more or less costs little
 /// shape. Smaller: cavities trade one for the other.
 pub(super) const INNER: u32 = 4;
+/// Likewise one on the boundary.
+const BOUNDARY: u32 = 2;
+/// Likewise one at a quad that must stay. Larger: rings round, more irregular vertices further in.
+pub(super) const LAYER: u32 = 8;
 
 /// The mesh with everything that decides what may be done where.
 pub(super) struct Site<'a> {
@@ -33,6 +37,8 @@ pub(super) struct Site<'a> {
     kept: Vec<[u32; 2]>,
     /// Wanted number of quads at boundary vertices, once known; 0: not yet.
     wanted: Vec<u8>,
+    /// Vertices of quads that must stay, or lay on the boundary at the start: an irregular one spoils a layer.
+    pub(super) of_layer: Vec<bool>,
     /// Vertices that lie inside the material, fixed: judged by the angles of each side.
     special: Vec<bool>,
     pub(super) rejected: Rejections,
@@ -82,7 +88,7 @@ impl Cavity {
     }
 
     /// Takes a quad in; its vertices are to be looked at.
-    fn add(&mut self, q: u32, corners: [u32; 4]) {
+    pub(super) fn add(&mut self, q: u32, corners: [u32; 4]) {
         if std::mem::replace(&mut self.has[q as usize], true) {
             return;
         }
@@ -111,10 +117,21 @@ impl<'a> Site<'a> {
                 *s = true;
             }
         }
+        let mut of_layer = vec![false; n];
+        for q in 0..mesh.n_quads() as u32 {
+            let vs = mesh.quad(q);
+            let touches = |k: usize| mesh.on_boundary(vs[k]) && mesh.on_boundary(vs[(k + 1) & 3]);
+            if task.protected.get(q as usize) == Some(&true)
+                || (0..4).any(|k| touches(k) && mesh.across(q, k as u32).is_none())
+            {
+                vs.into_iter().for_each(|v| of_layer[v as usize] = true);
+            }
+        }
         Self {
             mesh,
             task,
             kept,
+            of_layer,
             wanted: vec![0; n],
             special,
             rejected: Rejections::default(),
@@ -124,6 +141,23 @@ impl<'a> Site<'a> {
 
     pub(super) fn is_special(&self, v: u32) -> bool {
         self.special.get(v as usize).copied().unwrap_or(false)
+    }
+
+    /// What the weight of `v` counts: most on a layer, least on the boundary, where one quad more or less costs little
+    /// shape.
+    pub(super) fn factor(&self, v: u32) -> u32 {
+        if !self.is_free(v) {
+            BOUNDARY
+        } else if self.of_layer.get(v as usize).copied().unwrap_or(false) {
+            LAYER
+        } else {
+            INNER
+        }
+    }
+
+    /// True if the edge must stay.
+    pub(super) fn is_kept(&self, a: u32, b: u32) -> bool {
+        !self.is_free(a) && !self.is_free(b) && self.kept.binary_search(&[a.min(b), a.max(b)]).is_ok()
     }
 
     /// True if `v` may move: neither boundary nor fixed.
@@ -149,7 +183,7 @@ impl<'a> Site<'a> {
     }
 
     /// Number of quads that `v`, which is not special, should have.
-    fn wanted(&mut self, v: u32) -> usize {
+    pub(super) fn wanted(&mut self, v: u32) -> usize {
         if !self.mesh.on_boundary(v) {
             return 4;
         }
@@ -292,9 +326,7 @@ impl<'a> Site<'a> {
                 }
                 match self.mesh.across(q, k) {
                     Some(h) if cavity.has(h / 4) => {
-                        if (!self.is_free(a) && !self.is_free(b))
-                            && self.kept.binary_search(&[a.min(b), a.max(b)]).is_ok()
-                        {
+                        if self.is_kept(a, b) {
                             return Ok(false);
                         }
                     }
@@ -345,8 +377,7 @@ impl<'a> Site<'a> {
             }
         }
         for (&v, &k) in cavity.rim.iter().zip(&cavity.wanted) {
-            let factor = if self.is_free(v) { INNER } else { 1 };
-            sum += factor * weight(cavity.inside(v), usize::from(k));
+            sum += self.factor(v) * weight(cavity.inside(v), usize::from(k));
         }
         sum
     }

@@ -7,7 +7,7 @@
 
 use super::grow::{Cavity, INNER, Site, weight};
 use super::local_size::LinearSize;
-use crate::smooth::{SmoothOptions, finish};
+use crate::smooth::{SmoothOptions, finish, smooth};
 use csalf_geom::{Point2, VertexId};
 use csalf_mesh::{Contour, NodeFlags, Patch, QuadMesh, QuadTopology, RegionTask, certify, quality::Corners};
 use csalf_sizemap::{Hint, SizeField};
@@ -71,14 +71,18 @@ enum Outcome {
 }
 
 /// What is left to try for a seed.
-struct Tries {
+pub(super) struct Tries {
     patches: usize,
     fills: usize,
-    tried: usize,
+    pub(super) tried: usize,
 }
 
 impl Tries {
-    fn are_spent(&self) -> bool {
+    pub(super) fn new(patches: usize, fills: usize) -> Self {
+        Self { patches, fills, tried: 0 }
+    }
+
+    pub(super) fn are_spent(&self) -> bool {
         self.patches == 0 || self.fills == 0
     }
 }
@@ -95,7 +99,7 @@ impl Site<'_> {
         }
         let mut next_target = 0;
         let mut rings = 0;
-        let mut tries = Tries { patches: self.task.rules.patches, fills: FILLS, tried: 0 };
+        let mut tries = Tries::new(self.task.rules.patches, FILLS);
         loop {
             match self.attempt(cavity, near, &mut tries) {
                 Outcome::Taken => return (tries.tried, true),
@@ -252,41 +256,69 @@ impl Site<'_> {
         let mut valence = vec![0usize; cavity.rim.len() + patch.points.len()];
         patch.quads.iter().flatten().for_each(|&v| valence[v as usize] += 1);
         let after = valence[cavity.rim.len()..].iter().map(|&d| INNER * weight(d, 4)).sum::<u32>();
-        let mut local = self.local(cavity, &patch);
+        if self.judge(cavity, &patch, potential - after, &samples, true, near, tries) {
+            Outcome::Taken
+        } else {
+            Outcome::Rejected
+        }
+    }
+
+    /// Relaxes the patch with what is around it, compares, and commits if it is good; true then. `gain`: how much the
+    /// potential falls. `good`: the patch is nearly in shape, so that a bad one need not be relaxed to be refused.
+    #[expect(clippy::too_many_arguments, reason = "two callers, all different")]
+    pub(super) fn judge(
+        &mut self,
+        cavity: &Cavity,
+        patch: &Patch,
+        gain: u32,
+        samples: &[Point2],
+        good: bool,
+        near: &mut Vec<u32>,
+        tries: &mut Tries,
+    ) -> bool {
+        let size = LinearSize::new(self.task.size, samples);
+        let mut local = self.local(cavity, patch);
         let around =
             self.measure(local.around.iter().map(|&q| self.mesh.quad(q).map(|v| self.mesh.point(v))));
         let inside =
             self.measure(cavity.quads.iter().map(|&q| self.mesh.quad(q).map(|v| self.mesh.point(v))));
         let n_around = local.around.len();
-        let raw = self.measure(quads_of(&local.mesh).skip(n_around)).and(&around);
         let before = inside.and(&around);
         let r = &self.task.rules;
         // Irregular inner vertices that go, about: each has a potential of 2 or more.
-        let gone = 0.5 * f64::from(potential - after) / f64::from(INNER) / raw.n;
+        let n = (n_around + patch.quads.len()) as f64;
+        let gone = 0.5 * f64::from(gain) / f64::from(INNER) / n;
         let least = before.mean() - r.mean_loss * gone;
         let most = before.off_size() + r.size_loss * gone;
-        if raw.mean() < least - RAW_MEAN {
-            self.rejected.mean += 1;
-            return Outcome::Rejected;
-        }
-        if raw.off_size() > most + RAW_SIZE {
-            self.rejected.size += 1;
-            return Outcome::Rejected;
+        if good {
+            let raw = self.measure(quads_of(&local.mesh).skip(n_around)).and(&around);
+            if raw.mean() < least - RAW_MEAN {
+                self.rejected.mean += 1;
+                return false;
+            }
+            if raw.off_size() > most + RAW_SIZE {
+                self.rejected.size += 1;
+                return false;
+            }
         }
         let topology = QuadTopology::new(local.mesh.n_vertices(), &local.mesh.quads);
         if topology.n_bad_edges > 0 {
-            return Outcome::Rejected;
+            return false;
         }
         tries.patches -= 1;
         tries.tried += 1;
         let options = SmoothOptions {
             threshold: 2.0,
             rings: 0,
-            laplace_sweeps: 2,
+            laplace_sweeps: if good { 2 } else { 5 },
             sweeps: 4,
             ..SmoothOptions::default()
         };
-        finish(&mut local.mesh, &topology, &local.fixed, &size, &options);
+        if good {
+            finish(&mut local.mesh, &topology, &local.fixed, &size, &options);
+        } else {
+            smooth(&mut local.mesh, &topology, &local.fixed, &size, &options);
+        }
         let now = self.measure(quads_of(&local.mesh));
         let counter = if certify(&local.mesh.points, &local.mesh.quads).is_some()
             || now.min < before.min.min(r.min_sj)
@@ -301,10 +333,10 @@ impl Site<'_> {
         };
         if let Some(counter) = counter {
             *counter += 1;
-            return Outcome::Rejected;
+            return false;
         }
-        self.commit(cavity, &patch, &local, near);
-        Outcome::Taken
+        self.commit(cavity, patch, &local, near);
+        true
     }
 
     fn fill(&self, cavity: &Cavity, size: &LinearSize) -> Option<Patch> {
@@ -371,7 +403,7 @@ impl Site<'_> {
     }
 
     /// What a cavity is made of, as a number.
-    fn key(&self, cavity: &Cavity) -> u64 {
+    pub(super) fn key(&self, cavity: &Cavity) -> u64 {
         let mix = |x: u64| {
             let x = (x ^ x >> 31).wrapping_mul(0x9E37_79B9_7F4A_7C15);
             (x ^ x >> 29).wrapping_mul(0xBF58_476D_1CE4_E5B9)
@@ -392,6 +424,11 @@ impl Site<'_> {
         for (i, &v) in local.names.iter().enumerate() {
             if !local.fixed[i] {
                 self.mesh.set_point(v, local.mesh.points[i]);
+            }
+        }
+        for &v in &new {
+            if let Some(l) = self.of_layer.get_mut(v as usize) {
+                *l = false;
             }
         }
         near.extend_from_slice(&local.names);

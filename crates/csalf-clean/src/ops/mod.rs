@@ -1,11 +1,13 @@
 //! Local changes of topology, each an operation that finds its sites and says what it would change.
 
+mod disks;
 mod doublet;
 mod singlet;
 
 use csalf_geom::{Point2, VertexId};
 use csalf_mesh::{QuadMesh, QuadTopology};
 
+pub use disks::{Disk, MAX_RIM, disks};
 pub use doublet::Doublet;
 pub use singlet::Singlet;
 

@@ -55,18 +55,23 @@ pub struct SmoothOptions {
     pub floor: f64,
 }
 
+impl SmoothOptions {
+    /// What [`Self::default`] returns.
+    pub const DEFAULT: Self = Self {
+        threshold: 0.85,
+        rings: 2,
+        laplace_sweeps: 2,
+        sweeps: 10,
+        lambda: 0.2,
+        power: 4,
+        tolerance: 4e-3,
+        floor: 0.6,
+    };
+}
+
 impl Default for SmoothOptions {
     fn default() -> Self {
-        Self {
-            threshold: 0.85,
-            rings: 2,
-            laplace_sweeps: 2,
-            sweeps: 10,
-            lambda: 0.2,
-            power: 4,
-            tolerance: 4e-3,
-            floor: 0.6,
-        }
+        Self::DEFAULT
     }
 }
 

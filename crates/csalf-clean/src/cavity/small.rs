@@ -1,0 +1,277 @@
+//! Small disks around one seed: edges turned, quads collapsed and opened, neighbouring irregular vertices merged,
+//! all by one table.
+//!
+//! ```text
+//!    o────o────o        o────o────o      rim of 4 to 10 vertices; every quadrangulation of it is known ([`disks`])
+//!    │   5│5   │        │  4/ \4  │      and its gain is a sum over the rim and the inner vertices:
+//!   o│    │    │o  ──▶ o│  /   \  │o     no trial mesh before the gain is known
+//!    │   3│3   │        │4/     \4│
+//!    o────o────o        o────o────o
+//! ```
+//!
+//! 1. Cavities: the star of the seed, the union with the star of a neighbour (along an edge, across a quad, of all
+//!    of a quad's vertices of three), two quads with an edge at or opposite the seed, three or four quads in a row
+//!    around the seed.
+//! 2. For each the disk of least potential. Only a lower potential than now counts; largest gains first.
+//! 3. Relaxed apart from the mesh, judged and taken as a refilled cavity is.
+//!
+//! Covers handbook 6.3: face collapse (a star of d quads to a fan of d - 1) and open (its reverse), edge rotation,
+//! side and element elimination, 3-3, 3-5 and 5-5 patterns, and boundary vertices by angle.
+
+use super::grow::{Cavity, INNER, Site, weight};
+use super::refill::Tries;
+use crate::ops::{Disk, MAX_RIM, disks};
+use csalf_geom::Point2;
+use csalf_mesh::Patch;
+
+/// Most quads of a small cavity.
+const MOST: usize = 9;
+/// Cavities of a seed whose disks are tried.
+const TRIALS: usize = 2;
+/// A quad count that no vertex may have.
+const NEVER: u32 = u32::MAX / 64;
+
+/// A cavity with the best disk for it.
+#[derive(Clone, Copy, Debug)]
+struct Choice {
+    gain: u32,
+    /// Index into the disks of this rim.
+    disk: u32,
+    quads: [u32; MOST],
+    n_quads: usize,
+}
+
+/// Quads of a cavity under construction.
+#[derive(Clone, Copy, Debug, Default)]
+struct Few {
+    quads: [u32; MOST],
+    n: usize,
+    full: bool,
+}
+
+impl Few {
+    fn add(&mut self, q: u32) {
+        if self.list().contains(&q) {
+            return;
+        }
+        match self.quads.get_mut(self.n) {
+            Some(slot) => (*slot, self.n) = (q, self.n + 1),
+            None => self.full = true,
+        }
+    }
+    fn list(&self) -> &[u32] {
+        &self.quads[..self.n]
+    }
+}
+
+impl Site<'_> {
+    /// Replaces a small disk around `seed` by one of lower potential, if there is a good one. Returns how many were
+    /// tried and whether one was taken; `near` receives the vertices whose surroundings changed.
+    pub(super) fn mend(&mut self, seed: u32, cavity: &mut Cavity, near: &mut Vec<u32>) -> (usize, bool) {
+        let mut found: Vec<Choice> = Vec::new();
+        self.small_cavities(seed, &mut |site, few| {
+            if let Some(c) = site.best_disk(few) {
+                found.push(c);
+            }
+        });
+        found.sort_by(|a, b| b.gain.cmp(&a.gain).then(a.n_quads.cmp(&b.n_quads)));
+        let mut tries = Tries::new(TRIALS, TRIALS);
+        for c in &found {
+            if tries.are_spent() {
+                break;
+            }
+            cavity.clear(self.mesh.n_vertices(), self.mesh.n_quads());
+            for &q in &c.quads[..c.n_quads] {
+                cavity.add(q, self.mesh.quad(q));
+            }
+            let key = self.key(cavity) ^ u64::from(c.disk);
+            if !self.failed.insert(key) {
+                continue;
+            }
+            let Some((rim, _)) = self.small_rim(&c.quads[..c.n_quads]) else { continue };
+            let Some(disk) = disks(rim.len()).get(c.disk as usize) else { continue };
+            cavity.rim.clear();
+            cavity.rim.extend(rim.iter());
+            let patch = self.patch_of(disk, &cavity.rim);
+            let samples: Vec<Point2> = cavity.rim.iter().map(|&v| self.mesh.point(v)).collect();
+            if self.judge(cavity, &patch, c.gain, &samples, false, near, &mut tries) {
+                return (tries.tried, true);
+            }
+        }
+        (tries.tried, false)
+    }
+
+    /// Step 1.
+    fn small_cavities(&mut self, seed: u32, visit: &mut dyn FnMut(&mut Self, &Few)) {
+        let star: Vec<u32> = self.mesh.star(seed).to_vec();
+        let inner = self.is_free(seed);
+        let union = |site: &Self, list: &[u32]| {
+            let mut few = Few::default();
+            for &v in list {
+                site.mesh.star(v).iter().for_each(|&h| few.add(h / 4));
+            }
+            few
+        };
+        if inner {
+            visit(self, &union(self, &[seed]));
+        }
+        for &h in &star {
+            let (q, vs) = (h / 4, self.mesh.quad(h / 4));
+            let at = |k: u32| vs[((h + k) & 3) as usize];
+            let (next, across) = (at(1), at(2));
+            if inner {
+                for w in [next, across] {
+                    if self.is_free(w) && self.mesh.valence(w) <= 5 {
+                        visit(self, &union(self, &[seed, w]));
+                    }
+                }
+                let threes: Vec<u32> =
+                    vs.iter().copied().filter(|&v| self.is_free(v) && self.mesh.valence(v) == 3).collect();
+                if threes.len() > 2 {
+                    visit(self, &union(self, &threes));
+                }
+            }
+            // Two quads that share the edge to the next vertex, or one opposite the seed.
+            for k in 0..3 {
+                if let Some(o) = self.mesh.across(q, (h + k) & 3) {
+                    let mut few = Few::default();
+                    few.add(q);
+                    few.add(o / 4);
+                    visit(self, &few);
+                    if inner && star.len() == 3 {
+                        // The star and one more.
+                        let mut few = union(self, &[seed]);
+                        few.add(o / 4);
+                        if few.n == 4 {
+                            visit(self, &few);
+                        }
+                    }
+                }
+            }
+            // Fans of three and four quads around the seed.
+            let mut few = Few::default();
+            few.add(q);
+            let mut side = h;
+            for n in 2..=4 {
+                // The quad beyond the edge that ends in the seed.
+                let Some(o) = self.mesh.across(side / 4, (side + 3) & 3) else { break };
+                if o / 4 == q {
+                    break;
+                }
+                side = o;
+                few.add(o / 4);
+                if n > 2 {
+                    visit(self, &few);
+                }
+            }
+        }
+    }
+
+    /// Rim (counter-clockwise) and inner vertices of a few quads; `None` if they are no disk, too large, or may not
+    /// be edited.
+    fn small_rim(&self, quads: &[u32]) -> Option<(Vec<u32>, Vec<u32>)> {
+        let mut edges = [(0u32, 0u32); MAX_RIM];
+        let mut n = 0;
+        for &q in quads {
+            let vs = self.mesh.quad(q);
+            if self.is_protected(q) {
+                return None;
+            }
+            for k in 0..4 {
+                let (a, b) = (vs[k as usize], vs[((k + 1) & 3) as usize]);
+                match self.mesh.across(q, k) {
+                    Some(o) if quads.contains(&(o / 4)) => {
+                        if self.is_kept(a, b) {
+                            return None;
+                        }
+                    }
+                    _ => {
+                        *edges.get_mut(n)? = (a, b);
+                        n += 1;
+                    }
+                }
+            }
+        }
+        let edges = &edges[..n];
+        let mut rim = Vec::with_capacity(n);
+        let mut v = edges.first()?.0;
+        for _ in 0..n {
+            if rim.contains(&v) {
+                return None;
+            }
+            rim.push(v);
+            v = edges.iter().find(|e| e.0 == v)?.1;
+        }
+        if v != rim[0] {
+            return None;
+        }
+        let mut inner: Vec<u32> =
+            quads.iter().flat_map(|&q| self.mesh.quad(q)).filter(|v| !rim.contains(v)).collect();
+        inner.sort_unstable();
+        inner.dedup();
+        // Euler: a disk. A boundary vertex inside would be one that the boundary passes twice.
+        let disk = 2 * quads.len() + 2 == n + 2 * inner.len();
+        (disk && inner.iter().all(|&v| self.is_free(v))).then_some((rim, inner))
+    }
+
+    /// Step 2.
+    fn best_disk(&mut self, few: &Few) -> Option<Choice> {
+        if few.full {
+            return None;
+        }
+        let (rim, inner) = self.small_rim(few.list())?;
+        let n = rim.len();
+        let mut now: u32 = inner.iter().map(|&v| INNER * weight(self.mesh.valence(v), 4)).sum();
+        // cost[i][d]: potential of rim vertex i with d quads inside.
+        let mut cost = [[NEVER; 8]; MAX_RIM];
+        for (i, &v) in rim.iter().enumerate() {
+            let inside = few.list().iter().filter(|&&q| self.mesh.quad(q).contains(&v)).count();
+            let outside = self.mesh.valence(v) - inside;
+            if self.is_special(v) {
+                cost[i][inside.min(7)] = 0;
+                continue;
+            }
+            let wanted = self.wanted(v);
+            let (factor, least) = (self.factor(v), if self.is_free(v) { 3 } else { 1 });
+            for (d, c) in cost[i].iter_mut().enumerate().skip(1) {
+                if outside + d >= least {
+                    *c = factor * weight(outside + d, wanted);
+                }
+            }
+            now += factor * weight(outside + inside, wanted);
+        }
+        let mut best: Option<(u32, u32)> = None;
+        for (k, disk) in disks(n).iter().enumerate() {
+            let mut sum: u32 = disk.inner.iter().map(|&d| INNER * weight(usize::from(d), 4)).sum();
+            for i in 0..n {
+                sum += cost[i][usize::from(disk.rim[i]).min(7)];
+            }
+            if sum < best.map_or(now, |b| b.0) {
+                best = Some((sum, k as u32));
+            }
+        }
+        let (sum, disk) = best?;
+        Some(Choice { gain: now - sum, disk, quads: few.quads, n_quads: few.n })
+    }
+
+    /// The disk with its inner vertices at the mean of their neighbours.
+    fn patch_of(&self, disk: &Disk, rim: &[u32]) -> Patch {
+        let n = rim.len();
+        let centre = rim.iter().map(|&v| self.mesh.point(v)).sum::<Point2>() / n as f64;
+        let mut points = vec![centre; disk.inner.len()];
+        for _ in 0..4 {
+            for i in 0..points.len() {
+                let (mut sum, mut count) = (Point2::ZERO, 0.0);
+                for q in &disk.quads {
+                    if let Some(k) = q.iter().position(|&v| usize::from(v) == n + i) {
+                        let w = usize::from(q[(k + 1) & 3]);
+                        sum += if w < n { self.mesh.point(rim[w]) } else { points[w - n] };
+                        count += 1.0;
+                    }
+                }
+                points[i] = sum / count;
+            }
+        }
+        Patch { points, quads: disk.quads.iter().map(|q| q.map(u32::from)).collect(), children: Vec::new() }
+    }
+}
