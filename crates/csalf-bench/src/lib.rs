@@ -1,7 +1,10 @@
 //! Inputs of the benchmarks: made by formula, the same on every machine. Run with `cargo bench -p csalf-bench`.
 
-use csalf_geom::Point2;
-use csalf_sizemap::Background;
+use csalf_core::Job;
+use csalf_geom::{Domain, Point2};
+use csalf_pave::{LayerLaw, LayerSpec};
+use csalf_sizemap::{Background, SizeSpec, Source};
+use serde_json::Value;
 
 /// Xorshift, uniform in [0, 1).
 #[derive(Clone, Debug)]
@@ -47,4 +50,57 @@ pub fn jittered_background(k: usize) -> Background {
     let side = |f: &dyn Fn(usize) -> usize| (0..m).map(|i| f(i) as u32).collect::<Vec<_>>();
     let rim = [side(&|i| i * k), side(&|j| m * k + j), side(&|i| (m - i) * k + m), side(&|j| m - j)].concat();
     Background::from_points(&points, &values, &[rim]).expect("a square")
+}
+
+/// A job from the JSON job format, as far as benchmarks need it: loops, scars, points, sizes of all kinds but
+/// backgrounds, layers by count and the simple laws. `None` if it is not one.
+pub fn job_of_json(text: &str) -> Option<Job> {
+    let v: Value = serde_json::from_str(text).ok()?;
+    let point = |p: &Value| Some(Point2::new(p.get(0)?.as_f64()?, p.get(1)?.as_f64()?));
+    let list = |v: &Value| v["nodes"].as_array()?.iter().map(point).collect::<Option<Vec<_>>>();
+    let entries = |key: &str| v[key].as_array().into_iter().flatten();
+    let outer = entries("loops").find(|l| l["kind"] == "outer")?;
+    let mut domain = Domain::new(list(outer)?);
+    for l in entries("loops").filter(|l| l["kind"] == "hole") {
+        domain = domain.with_hole(list(l)?);
+    }
+    for s in entries("scars") {
+        domain = domain.with_scar(list(s)?);
+    }
+    for p in entries("points") {
+        domain = domain.with_point(point(&p["xy"])?);
+    }
+    let size = match v["size"]["kind"].as_str()? {
+        "boundary" => SizeSpec::Boundary,
+        "uniform" => SizeSpec::Uniform { h: v["size"]["h"].as_f64()? },
+        "sources" => {
+            let source = |s: &Value| {
+                let get = |key: &str| s[key].as_f64();
+                Some(Source {
+                    xy: point(&s["xy"])?,
+                    h: get("h")?,
+                    radius: get("radius")?,
+                    falloff: get("falloff")?,
+                })
+            };
+            let sources = v["size"]["sources"].as_array()?.iter().map(source).collect::<Option<_>>()?;
+            SizeSpec::Sources { far: v["size"]["far"].as_f64()?, sources }
+        }
+        _ => return None,
+    };
+    let law = |l: &Value| match l.as_str() {
+        Some("ramp") => LayerLaw::Ramp,
+        Some("fibonacci") => LayerLaw::Fibonacci,
+        Some("constant") => LayerLaw::Constant,
+        _ => LayerLaw::Auto,
+    };
+    let layers = v["layers"].as_object().into_iter().flatten();
+    let layers = layers
+        .map(|(name, l)| {
+            let count = l["count"].as_u64()? as usize;
+            Some((name.clone(), LayerSpec { count, law: law(&l["law"]), first: None }))
+        })
+        .collect::<Option<Vec<_>>>()?;
+    let name = v["name"].as_str().unwrap_or_default().to_owned();
+    Some(Job { name, domain, size, layers, ..Job::default() })
 }

@@ -8,10 +8,15 @@ use csalf_geom::{Point2, polygon::bounds, predicates::orient2d};
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
 use std::sync::OnceLock;
-use std::sync::atomic::AtomicU32;
 
-/// Grid cells per triangle. More: shorter walks, more memory (4 bytes each).
+/// Grid cells per triangle. More: shorter walks, more memory (4 bytes each) and time to fill them (20 ns each).
 const CELLS_PER_TRIANGLE: usize = 2;
+/// Of few triangles, which are those of a boundary and large, up to this many cells.
+const FEW_CELLS: usize = 1 << 14;
+/// But not more than these per triangle.
+const MOST_CELLS_PER_TRIANGLE: usize = 8;
+/// Steps of the walks that fill the grid.
+const FILL_STEPS: usize = 256;
 
 impl Background {
     /// Constrained Delaunay triangulation of `points` with `values`; `loops` are closed lists of point indices
@@ -100,14 +105,15 @@ impl Background {
         let triangles: Vec<_> = order
             .iter()
             .map(|&old| Triangle {
+                p: t.corners[old as usize].map(|v| at(points, v)),
                 corners: t.corners[old as usize],
                 across: t.across[old as usize].map(|j| if j == NONE { NONE } else { new[j as usize] }),
             })
             .collect();
         let nodes: Vec<_> = points.iter().zip(values).map(|(&p, &h)| Node { p, h }).collect();
-        // A grid of square cells, about CELLS_PER_TRIANGLE per triangle.
         let size = high - low;
-        let wanted = (CELLS_PER_TRIANGLE * n).clamp(16, 1 << 22) as f64;
+        let few = FEW_CELLS.min(MOST_CELLS_PER_TRIANGLE * n);
+        let wanted = (CELLS_PER_TRIANGLE * n).max(few).clamp(16, 1 << 22) as f64;
         let cell = (size.x * size.y / wanted).sqrt().max(size.max_element() / 4096.0);
         let count = |l: f64| ((l / cell).ceil().clamp(1.0, 4096.0)) as u32;
         let (columns, rows) = (count(size.x), count(size.y));
@@ -119,15 +125,33 @@ impl Background {
             low,
             high,
             range: (0.0, 0.0),
-            cells: (0..columns as usize * rows as usize).map(|_| AtomicU32::new(NONE)).collect(),
+            cells: Vec::new(),
             columns,
             rows,
             per_unit: Point2::splat(1.0 / cell),
             centroids: OnceLock::new(),
             rim: OnceLock::new(),
         };
+        out.cells = out.starts();
         out.settle();
         Ok(out)
+    }
+
+    /// The owner of the centre of each cell, row by row there and back, so that each walk starts next to its end.
+    fn starts(&self) -> Vec<u32> {
+        let (columns, rows) = (self.columns as usize, self.rows as usize);
+        let mut cells = vec![0; columns * rows];
+        let mut t = 0;
+        for j in 0..rows {
+            for i in 0..columns {
+                let i = if j % 2 == 0 { i } else { columns - 1 - i };
+                let centre = self.low + Point2::new(i as f64 + 0.5, j as f64 + 0.5) / self.per_unit;
+                // A walk that runs in circles ends somewhere; the grid is a start only.
+                t = self.walk(t, centre, FILL_STEPS).map_or(t, |found| found.0);
+                cells[j * columns + i] = t;
+            }
+        }
+        cells
     }
 
     /// Sets all that follows from the values: the range, and the values of nodes outside the domain (of no
