@@ -127,7 +127,11 @@ mod tests {
             let mut p = || {
                 let k = (random() % 9) as f64 - 4.0;
                 let noise = (random() % 5) as f64 * f64::EPSILON;
-                if round % 2 == 0 { Point2::new(k, noise * 1e17) } else { Point2::new(k + noise, 0.3 * k) * 1e6 }
+                if round % 2 == 0 {
+                    Point2::new(k, noise * 1e17)
+                } else {
+                    Point2::new(k + noise, 0.3 * k) * 1e6
+                }
             };
             let (a, b, c) = (p(), p(), p());
             let want = robust::orient2d(c2(a), c2(b), c2(c));
