@@ -5,6 +5,7 @@ mod ci;
 mod completions;
 mod generated;
 mod man;
+mod paper;
 mod reduce;
 mod regress;
 mod schema;
@@ -45,6 +46,12 @@ enum Task {
         #[arg(long)]
         check: bool,
     },
+    /// Mesh the paper's experiments and write docs/paper.md with its pictures
+    Paper {
+        /// Only compare with the committed files
+        #[arg(long)]
+        check: bool,
+    },
     /// Mesh many random domains and judge every mesh
     Stress(stress::StressArgs),
     /// Shrink a failing job (a file, or a seed of `stress`) and print it as a test
@@ -60,6 +67,7 @@ fn main() -> ExitCode {
         Task::Man { check } => man::run(&root(), check),
         Task::Completions => completions::run(&root()),
         Task::Schema { check } => schema::run(&root(), check),
+        Task::Paper { check } => paper::run(&root(), check),
         Task::Stress(args) => stress::run(&root(), &args),
         Task::Reduce(args) => reduce::run(&root(), &args),
         Task::Regress(args) => regress::run(&root(), &args),
