@@ -86,7 +86,8 @@ fn row(job: &Job, method: &str, m: &Meshed) -> Result<String, String> {
     let rings = r.structure.as_ref().map_or_else(String::new, |s| {
         // Loops come in the order of the input: the outer one first.
         let mut n = s.closed_rings_per_loop.clone();
-        n.rotate_left(1.min(n.len()));
+        let first = n.len().min(1);
+        n.rotate_left(first);
         n.iter().map(usize::to_string).collect::<Vec<_>>().join(" ")
     });
     Ok(format!(
