@@ -119,6 +119,11 @@ struct Path<'a> {
     walk: &'a Walk,
 }
 
+/// Rings by rule end where their edges would be this many wanted edges long.
+const COARSEST: f64 = 1.6;
+/// Rings by rule are not made thinner than this share of their edges for the sake of the size field.
+const FLATTEST: f64 = 0.35;
+
 /// Most layers by rule.
 const MOST_LAYERS: usize = 16;
 
@@ -136,13 +141,17 @@ impl Path<'_> {
 
     /// Rings that it still wants, at most `most`, as far as others have to leave room for them.
     fn wants(&self, most: usize) -> usize {
+        // The second ring of an outer loop takes what is left.
+        let most = if self.kind == WalkKind::Outer { 1 } else { most };
         if self.active { self.spec.count.saturating_sub(self.done).min(most) } else { 0 }
     }
 }
 
-/// Layers by rule: holes 2 (3 if round and smaller than three wanted edges), scars 1, the outer loop 1, points none
+/// Layers by rule: holes 2 (3 if round and smaller than three wanted edges), scars 1, the outer loop 2, points none
 /// (measured on a plate with twelve weld spots: 3.6 % irregular vertices against 7.8 % with a ring at each).
-/// Handbook 3.3, 3.4.
+/// The second ring of the outer loop waits until the others have theirs and takes the room that is left: only nodes
+/// between two rings are regular for certain, so it is what makes the first row structured.
+/// Handbook 3.3 (one there), 3.4.
 pub fn wanted_layers(kind: WalkKind, points: &[Point2], far: f64) -> usize {
     match kind {
         WalkKind::Hole => {
@@ -151,7 +160,8 @@ pub fn wanted_layers(kind: WalkKind, points: &[Point2], far: f64) -> usize {
             let diameter = 2.0 * (a / std::f64::consts::PI).sqrt();
             if round && diameter < 3.0 * far { 3 } else { 2 }
         }
-        WalkKind::Scar | WalkKind::Outer => 1,
+        WalkKind::Scar => 1,
+        WalkKind::Outer => 2,
         // A ring of four quads prescribes a direction around the point; patches around it do better without.
         WalkKind::Point => 0,
     }
@@ -210,9 +220,13 @@ fn path<'a>(task: &LayerTask<'_>, index: usize, walk: &'a Walk) -> Path<'a> {
         points.first().map_or(1.0, |p| task.size.h(*p, &mut hint))
     };
     let user = walk.asked.is_some();
-    let spec = walk.asked.clone().unwrap_or_else(|| LayerSpec {
-        count: if task.defaults { wanted_layers(walk.kind, &points, task.size.range().1) } else { 0 },
-        ..LayerSpec::default()
+    let spec = walk.asked.clone().unwrap_or_else(|| {
+        let count = match (task.defaults, task.rules, walk.kind) {
+            (false, _, _) => 0,
+            (true, PavingRules::Paper, WalkKind::Outer) => 1,
+            _ => wanted_layers(walk.kind, &points, task.size.range().1),
+        };
+        LayerSpec { count, ..LayerSpec::default() }
     });
     let usable = sound && mean.is_finite() && mean > task.tolerance.merge() && (n == 1 || n >= 4);
     Path {
@@ -245,9 +259,11 @@ fn cycle(
     out: &mut Layers,
     hint: &mut Hint,
 ) {
+    let waits = |p: &Path<'_>| !p.user && p.kind == WalkKind::Outer && p.done > 0;
+    let alone = paths.iter().all(|p| !p.active || waits(p));
     let mut tries: Vec<Try> = order
         .iter()
-        .filter(|&&i| paths[i].active)
+        .filter(|&&i| paths[i].active && (alone || !waits(&paths[i])))
         .map(|&path| Try { path, stage: Stage::Whole, banned: Vec::new(), first: None })
         .collect();
     // The first ring of a hard point looks for the nearest front, layers by rule for the room there is.
@@ -292,7 +308,7 @@ fn cycle(
             let Some(failure) = verdict else { continue };
             let p = &mut paths[t.path];
             t.first.get_or_insert(failure.stop);
-            tracing::debug!(walk = t.path, layer = p.done, stage = ?t.stage, stop = %failure.stop, "ring refused");
+            tracing::debug!(walk = t.path, layer = p.done, stage = ?t.stage, stop = %failure.stop, at = ?failure.at.iter().take(6).map(|&i| p.state.points[i as usize]).collect::<Vec<_>>(), "ring refused");
             if p.extra() {
                 p.active = false;
                 continue;
@@ -335,7 +351,7 @@ struct Try {
 
 impl Stage {
     /// Most partial attempts: each adds the stretches where the last one failed.
-    const PARTS: u8 = 4;
+    const PARTS: u8 = 12;
 
     /// What to try after this stage failed; `None`: give up. Marks the stretches to be left out.
     fn after(self, f: &Failure, p: &Path<'_>, partial: bool, banned: &mut Vec<bool>) -> Option<Self> {
@@ -394,14 +410,18 @@ fn propose(
     if !p.user {
         evaluate::before(&p.state, task.size, task.rules, hint)?;
         let ratio = coarseness(p, task, hint);
-        let most = if p.kind == WalkKind::Hole && p.done < 2 { 2.2 } else { 1.4 };
-        if p.extra() && !(0.75..=1.2).contains(&ratio) || p.done > 0 && ratio > most {
+        let most = if p.done < 2 { 2.2 } else { 1.4 };
+        if p.extra() && !(0.70..=1.2).contains(&ratio) || p.done > 0 && ratio > most {
             return Err(Stop::Thick.into());
         }
     }
     let last = matches!(attempt.stage, Stage::Last | Stage::Part(_, true));
     let caps = match index {
-        Some(index) if p.shares(task) => Some(room(p, paths, index, if last { 1 } else { 2 })),
+        Some(index) if p.shares(task) => {
+            let mut caps = room(p, paths, index, if last { 1 } else { 2 });
+            fall(p, task, &mut caps, hint);
+            Some(caps)
+        }
         _ => None,
     };
     let order = Order {
@@ -416,8 +436,33 @@ fn propose(
     build(&p.state, &order, all)
 }
 
-/// Mean length of the fronts in wanted edges. Layers by rule stop above 1.4 (the second of a hole above 2.2),
-/// further ones outside 0.75 to 1.2 (handbook 3.4).
+/// Lowers `caps` where the wanted size falls fast from the front inward: rings, whose edges stay as long as those of
+/// the loop, end where they would be longer than [`COARSEST`] wanted edges, and share the way there. They are
+/// never made thinner than [`FLATTEST`] of their edges.
+fn fall(p: &Path<'_>, task: &LayerTask<'_>, caps: &mut [f64], hint: &mut Hint) {
+    let n = p.state.nodes.len();
+    let q = &p.state.points;
+    let rings = p.spec.count.saturating_sub(p.done).clamp(1, 2) as f64;
+    for i in 0..n {
+        let (a, b, c) = (q[if i == 0 { n - 1 } else { i - 1 }], q[i], q[if i + 1 == n { 0 } else { i + 1 }]);
+        let s = 0.5 * (b.distance(c) + b.distance(a));
+        let inward = (c - a).perp().normalize_or_zero();
+        let mut way = rings * s;
+        for k in 1..=4 {
+            let d = 0.25 * rings * s * f64::from(k);
+            if COARSEST * task.size.h(b + inward * d, hint) < s {
+                way = d - 0.125 * rings * s;
+                break;
+            }
+        }
+        if way < rings * s {
+            caps[i] = caps[i].min((way / rings).max(FLATTEST * s));
+        }
+    }
+}
+
+/// Mean length of the fronts in wanted edges. Layers by rule stop above 1.4 (the second above 2.2),
+/// further ones outside 0.7 to 1.2 (handbook 3.4).
 fn coarseness(p: &Path<'_>, task: &LayerTask<'_>, hint: &mut Hint) -> f64 {
     let n = p.state.nodes.len();
     let q = &p.state.points;
@@ -449,7 +494,7 @@ fn tangent(p: Point2, t: f64, own: u32, index: Option<&Index>) -> Point2 {
 fn corridor(p: &Path<'_>) -> f64 {
     match (p.user, p.extra()) {
         (true, _) => 0.5,
-        (false, false) => 1.0,
+        (false, false) => 0.75,
         (false, true) => 2.0,
     }
 }
