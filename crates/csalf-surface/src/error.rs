@@ -50,4 +50,20 @@ pub enum FaceError {
         /// Why. Coordinates in it are those of the flattened face.
         error: Box<MeshError>,
     },
+    /// The boundary of the facets runs where no loop does, or between nodes that are not successive on one.
+    #[error(
+        "the boundary of the facets does not follow the loops at {at}: a crack, or a loop that is missing"
+    )]
+    Boundary {
+        /// Where.
+        at: DVec3,
+    },
+    /// A defect of this program: the stage and what it found. Please report it with the input.
+    #[error("internal error in stage {stage} of a face: {detail}")]
+    Internal {
+        /// Stage.
+        stage: &'static str,
+        /// What was found.
+        detail: String,
+    },
 }

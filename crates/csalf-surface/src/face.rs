@@ -1,6 +1,8 @@
 //! One face from facets to quads.
 
+use crate::curved::curved;
 use crate::plane::{self, Frame};
+use crate::quality::measure;
 use crate::{FaceError, FaceInput, FaceMesh, FaceSize, Flattening, LayerRing};
 use csalf_core::{Job, MeshError, Meshed, Options};
 use csalf_geom::{Defect, Domain, HardPoint, Loop, LoopKind, Point2, Scar};
@@ -16,11 +18,10 @@ use glam::DVec3;
 /// [`FaceError`], with its place in space.
 pub fn mesh_face(input: &FaceInput<'_>, options: &Options) -> Result<FaceMesh, FaceError> {
     check(input)?;
-    let Some(frame) = plane::frame(input.facets, longest_segment(input)) else {
-        let at = input.facets.points[input.facets.triangles[0][0] as usize];
-        return Err(FaceError::Flatten { at, why: "curved faces are not implemented yet".into() });
-    };
-    planar(input, &frame, options)
+    match plane::frame(input.facets, longest_segment(input)) {
+        Some(frame) if !input.loops.is_empty() => planar(input, &frame, options),
+        _ => curved(input, options),
+    }
 }
 
 /// Everything that would be out of range later.
@@ -67,7 +68,7 @@ fn check(input: &FaceInput<'_>) -> Result<(), FaceError> {
         }
     }
     let n_segments: usize = input.loops.iter().map(|l| l.nodes.len()).sum();
-    if n_segments % 2 == 1 {
+    if !n_segments.is_multiple_of(2) {
         return Err(FaceError::Odd { n_segments });
     }
     Ok(())
@@ -89,7 +90,7 @@ fn longest_segment(input: &FaceInput<'_>) -> DVec3 {
 }
 
 /// The given nodes as facet vertices, each once: loops, scars, points.
-fn given_nodes(input: &FaceInput<'_>) -> Vec<u32> {
+pub(crate) fn given_nodes(input: &FaceInput<'_>) -> Vec<u32> {
     let mut seen = vec![false; input.facets.points.len()];
     let loops = input.loops.iter().flat_map(|l| &l.nodes);
     let all = loops.chain(input.scars.iter().flatten()).chain(input.points);
@@ -127,6 +128,7 @@ fn planar(input: &FaceInput<'_>, frame: &Frame, options: &Options) -> Result<Fac
     out.report.flattening = Flattening::Plane;
     out.report.n_charts = 1;
     (out.report.anisotropy, out.report.scale_range) = (1.0, 1.0);
+    out.report.quality = measure(&out.points, &out.quads, |_| frame.normal);
     report_layers(input, &meshed, &mut out);
     Ok(out)
 }
@@ -166,7 +168,7 @@ fn add_interior(domain: &mut Domain, scars: &[Vec<u32>], points: &[u32], flat: &
 }
 
 /// The planar mesher, in this thread pool, all quads, the boundary as given.
-fn mesh(job: &Job, options: &Options) -> Result<Meshed, MeshError> {
+pub(crate) fn mesh(job: &Job, options: &Options) -> Result<Meshed, MeshError> {
     let options = Options { threads: 0, allow_triangles: false, repair_parity: false, ..options.clone() };
     csalf_core::mesh(job, &options)
 }
@@ -216,6 +218,11 @@ fn of_planar(input: &FaceInput<'_>, error: MeshError) -> FaceError {
         input.facets.points.get(v as usize).copied()
     });
     FaceError::Planar { at, error: Box::new(error) }
+}
+
+/// The same of a piece of a face: the coordinates mean nothing to the caller, the place is near the piece.
+pub(crate) fn of_planar_piece(at: DVec3, error: MeshError) -> FaceError {
+    FaceError::Planar { at: Some(at), error: Box::new(error) }
 }
 
 #[cfg(test)]

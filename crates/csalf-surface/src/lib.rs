@@ -12,11 +12,20 @@
 //! model units. The boundary nodes come first in the mesh, in the order given, and keep their bytes.
 //! Source: handbook 9.
 
+mod curved;
+mod cut;
 mod error;
 mod face;
+mod flatten;
 mod input;
+mod locate;
+mod patch;
 mod plane;
+mod quality;
 mod report;
+mod seams;
+mod sheet;
+mod smooth;
 
 pub use csalf_pave::{LayerLaw, LayerSpec};
 pub use error::FaceError;

@@ -23,7 +23,6 @@ pub(crate) struct Frame {
     pub(crate) origin: DVec3,
     pub(crate) u: DVec3,
     pub(crate) v: DVec3,
-    #[allow(dead_code, reason = "used by the quality figures, which follow")]
     pub(crate) normal: DVec3,
 }
 

@@ -1,0 +1,65 @@
+//! Quality of quads in space.
+//!
+//! ```text
+//!   corner Jacobian J = (e1 × e2) · n, n the unit normal of the surface at the corner; scaled: J / (|e1| |e2|)
+//! ```
+//!
+//! A quad that is plane and lies in the tangent plane has the plane's figures. Source: handbook 9.6, 1.12.
+
+use crate::report::Quality3d;
+use csalf_mesh::quality::FLAT;
+use glam::DVec3;
+
+/// Corner Jacobians and scaled Jacobians of one quad, with a normal per corner.
+pub(crate) fn corners(p: [DVec3; 4], n: [DVec3; 4]) -> ([f64; 4], [f64; 4]) {
+    let e = [p[1] - p[0], p[2] - p[1], p[3] - p[2], p[0] - p[3]];
+    let l = e.map(DVec3::length);
+    let mut j = [0.0; 4];
+    let mut s = [-1.0; 4];
+    for k in 0..4 {
+        let b = (k + 3) & 3;
+        j[k] = e[b].cross(e[k]).dot(n[k]);
+        if l[b] * l[k] > 0.0 {
+            s[k] = j[k] / (l[b] * l[k]);
+        }
+    }
+    (j, s)
+}
+
+/// Distance of the corners from the mean plane, over the mean side length: 0 of a plane quad.
+pub(crate) fn warpage(p: [DVec3; 4]) -> f64 {
+    let n = (p[2] - p[0]).cross(p[3] - p[1]).normalize_or_zero();
+    let side = 0.25 * (0..4).map(|k| p[k].distance(p[(k + 1) & 3])).sum::<f64>();
+    // The corners are alternately above and below by the same height.
+    let height = 0.25 * (p[0] - p[1] + p[2] - p[3]).dot(n).abs();
+    if side > 0.0 { height / side } else { 0.0 }
+}
+
+/// The figures of a mesh; deviation left 0. Cost O(n).
+pub(crate) fn measure(points: &[DVec3], quads: &[[u32; 4]], normal: impl Fn(u32) -> DVec3) -> Quality3d {
+    let mut out = Quality3d { min_sj: f64::INFINITY, ..Quality3d::default() };
+    let (mut sum, mut tau, mut n_tau) = (0.0, 0.0, 0usize);
+    for q in quads {
+        let p = q.map(|v| points[v as usize]);
+        let (j, s) = corners(p, q.map(&normal));
+        let worst = s.iter().copied().fold(f64::INFINITY, f64::min);
+        sum += worst;
+        out.min_sj = out.min_sj.min(worst);
+        out.max_warpage = out.max_warpage.max(warpage(p));
+        if worst <= FLAT {
+            out.n_nonpositive += 1;
+        } else {
+            let (lo, hi) = j.iter().fold((f64::INFINITY, 0f64), |(a, b), &x| (a.min(x), b.max(x)));
+            tau += hi / lo;
+            n_tau += 1;
+        }
+    }
+    if quads.is_empty() {
+        return Quality3d::default();
+    }
+    out.mean_sj = sum / quads.len() as f64;
+    if n_tau > 0 {
+        out.tau = n_tau as f64 / tau;
+    }
+    out
+}
