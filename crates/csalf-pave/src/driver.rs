@@ -134,24 +134,22 @@ impl Path<'_> {
         !self.user && task.rules == PavingRules::Corrected
     }
 
-    /// Rings beyond those of the rule: round holes get more as long as they grow with the size field.
+    /// Rings beyond those of the rule: round holes get more as long as they grow with the size field, an outer loop
+    /// a second one where its front is far coarser than the field. Only nodes between two rings are regular for
+    /// certain, and so many small quads meet such a front that its own would not be.
     fn extra(&self) -> bool {
         self.done >= self.spec.count
     }
 
     /// Rings that it still wants, at most `most`, as far as others have to leave room for them.
     fn wants(&self, most: usize) -> usize {
-        // The second ring of an outer loop takes what is left.
-        let most = if self.kind == WalkKind::Outer { 1 } else { most };
         if self.active { self.spec.count.saturating_sub(self.done).min(most) } else { 0 }
     }
 }
 
-/// Layers by rule: holes 2 (3 if round and smaller than three wanted edges), scars 1, the outer loop 2, points none
+/// Layers by rule: holes 2 (3 if round and smaller than three wanted edges), scars 1, the outer loop 1, points none
 /// (measured on a plate with twelve weld spots: 3.6 % irregular vertices against 7.8 % with a ring at each).
-/// The second ring of the outer loop waits until the others have theirs and takes the room that is left: only nodes
-/// between two rings are regular for certain, so it is what makes the first row structured.
-/// Handbook 3.3 (one there), 3.4.
+/// Handbook 3.3, 3.4.
 pub fn wanted_layers(kind: WalkKind, points: &[Point2], far: f64) -> usize {
     match kind {
         WalkKind::Hole => {
@@ -160,8 +158,7 @@ pub fn wanted_layers(kind: WalkKind, points: &[Point2], far: f64) -> usize {
             let diameter = 2.0 * (a / std::f64::consts::PI).sqrt();
             if round && diameter < 3.0 * far { 3 } else { 2 }
         }
-        WalkKind::Scar => 1,
-        WalkKind::Outer => 2,
+        WalkKind::Scar | WalkKind::Outer => 1,
         // A ring of four quads prescribes a direction around the point; patches around it do better without.
         WalkKind::Point => 0,
     }
@@ -178,7 +175,7 @@ pub fn pave_layers(task: &LayerTask<'_>) -> Layers {
     let rank = |p: &Path<'_>| match p.kind {
         WalkKind::Hole => 0,
         WalkKind::Scar | WalkKind::Point => 1,
-        WalkKind::Outer => 2,
+        WalkKind::Outer => 1,
     };
     order.sort_by(|&i, &j| {
         let (a, b) = (&paths[i], &paths[j]);
@@ -221,11 +218,7 @@ fn path<'a>(task: &LayerTask<'_>, index: usize, walk: &'a Walk) -> Path<'a> {
     };
     let user = walk.asked.is_some();
     let spec = walk.asked.clone().unwrap_or_else(|| {
-        let count = match (task.defaults, task.rules, walk.kind) {
-            (false, _, _) => 0,
-            (true, PavingRules::Paper, WalkKind::Outer) => 1,
-            _ => wanted_layers(walk.kind, &points, task.size.range().1),
-        };
+        let count = if task.defaults { wanted_layers(walk.kind, &points, task.size.range().1) } else { 0 };
         LayerSpec { count, ..LayerSpec::default() }
     });
     let usable = sound && mean.is_finite() && mean > task.tolerance.merge() && (n == 1 || n >= 4);
@@ -238,7 +231,9 @@ fn path<'a>(task: &LayerTask<'_>, index: usize, walk: &'a Walk) -> Path<'a> {
             geometry: vec![true; n],
         },
         kind: walk.kind,
-        more: !user && walk.kind == WalkKind::Hole && task.rules == PavingRules::Corrected,
+        more: !user
+            && matches!(walk.kind, WalkKind::Hole | WalkKind::Outer)
+            && task.rules == PavingRules::Corrected,
         user,
         mean,
         done: 0,
@@ -411,7 +406,11 @@ fn propose(
         evaluate::before(&p.state, task.size, task.rules, hint)?;
         let ratio = coarseness(p, task, hint);
         let most = if p.done < 2 { 2.2 } else { 1.4 };
-        if p.extra() && !(0.70..=1.2).contains(&ratio) || p.done > 0 && ratio > most {
+        let follows = match p.kind {
+            WalkKind::Outer => ratio > 1.3,
+            _ => (0.7..=1.2).contains(&ratio),
+        };
+        if p.extra() && !follows || p.done > 0 && ratio > most {
             return Err(Stop::Thick.into());
         }
     }
@@ -427,7 +426,7 @@ fn propose(
     let order = Order {
         thickness: t,
         user: p.user,
-        whole: p.extra(),
+        whole: p.extra() && p.kind == WalkKind::Hole,
         rules: task.rules,
         field: task.size,
         caps: caps.as_deref(),
@@ -442,7 +441,8 @@ fn propose(
 fn fall(p: &Path<'_>, task: &LayerTask<'_>, caps: &mut [f64], hint: &mut Hint) {
     let n = p.state.nodes.len();
     let q = &p.state.points;
-    let rings = p.spec.count.saturating_sub(p.done).clamp(1, 2) as f64;
+    let rings = if p.kind == WalkKind::Outer { 2 } else { p.spec.count };
+    let rings = rings.saturating_sub(p.done).clamp(1, 2) as f64;
     for i in 0..n {
         let (a, b, c) = (q[if i == 0 { n - 1 } else { i - 1 }], q[i], q[if i + 1 == n { 0 } else { i + 1 }]);
         let s = 0.5 * (b.distance(c) + b.distance(a));
@@ -492,7 +492,7 @@ fn tangent(p: Point2, t: f64, own: u32, index: Option<&Index>) -> Point2 {
 
 /// Gap that must remain to other fronts, in lengths of the fronts: asked layers take what they are given.
 fn corridor(p: &Path<'_>) -> f64 {
-    match (p.user, p.extra()) {
+    match (p.user, p.extra() && p.kind == WalkKind::Hole) {
         (true, _) => 0.5,
         (false, false) => 0.75,
         (false, true) => 2.0,
@@ -585,7 +585,8 @@ fn commit(p: &mut Path<'_>, c: Candidate, stage: Stage, all: &mut Vec<Point2>, o
         p.report.reduced += 1;
     }
     p.done += 1;
-    p.active = p.done < p.spec.count || (p.more && p.report.reduced == 0 && p.done < MOST_LAYERS);
+    let most = if p.kind == WalkKind::Outer { 2 } else { MOST_LAYERS };
+    p.active = p.done < p.spec.count || (p.more && p.report.reduced == 0 && p.done < most);
 }
 
 #[cfg(test)]

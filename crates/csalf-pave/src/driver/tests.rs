@@ -124,9 +124,9 @@ fn a_plate_with_a_round_hole_gets_its_default_layers() {
     s.add(WalkKind::Outer, &square(20.0, 1.0)).add(WalkKind::Hole, &circle((10., 10.), 4.0, 24, true));
     s.ask(1, 2, LayerLaw::Auto);
     let out = s.pave(1.0);
-    assert_eq!((out.reports[0].made, out.reports[1].made), (2, 2));
-    assert_eq!(out.quads.len(), 76 + 68 + 2 * 24);
-    assert_eq!(out.fronts[0].len(), 64);
+    assert_eq!((out.reports[0].made, out.reports[1].made), (1, 2));
+    assert_eq!(out.quads.len(), 76 + 2 * 24);
+    assert_eq!(out.fronts[0].len(), 72);
     // Isotropic rings around a hole grow by (n + π)/(n - π).
     let q = (24.0 + TAU / 2.0) / (24.0 - TAU / 2.0);
     let r = |v: u32| (out.points[v as usize - s.points.len()] - Point2::new(10., 10.)).length();
@@ -134,7 +134,7 @@ fn a_plate_with_a_round_hole_gets_its_default_layers() {
     for &v in &out.fronts[1] {
         assert!((chord(r(v)) / chord(4.0) - q * q).abs() < 0.02);
     }
-    assert_eq!(out.ring_sizes.len(), 64 + 24);
+    assert_eq!(out.ring_sizes.len(), 72 + 24);
 }
 
 #[test]
@@ -182,7 +182,7 @@ fn scars_get_rings_by_rule_and_points_if_asked() {
     s.add(WalkKind::Point, &[Point2::new(10.0, 5.0)]);
     s.ask(2, 1, LayerLaw::Auto);
     let out = s.pave(1.0);
-    assert_eq!(out.reports.iter().map(|r| r.made).collect::<Vec<_>>(), [2, 1, 1], "{:?}", out.reports);
+    assert!(out.reports.iter().all(|r| r.made == 1), "{:?}", out.reports);
     assert_eq!((out.fronts[1].len(), out.fronts[2].len()), (16, 8));
 }
 
