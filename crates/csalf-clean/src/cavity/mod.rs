@@ -14,7 +14,7 @@
 //!    after each step the cavity is made convex by absorbing what stands in reflex rim vertices.
 //! 4. If the number of corners allows fewer irregular vertices than there are, a mesher for contours with
 //!    given corners fills the cavity.
-//! 5. [`refill`]: the patch and two rings around are smoothed apart from the mesh and compared with what was
+//! 5. [`refill`]: the patch and a ring around are smoothed apart from the mesh and compared with what was
 //!    there. If shape and size are good, the patch is taken; its surroundings are seeds again.
 //!
 //! **Termination.** The potential is the sum of w (1 + (d - wanted)²) over the vertices that do not have the number d of
