@@ -111,8 +111,7 @@ fn mesh_once(job: &Job, options: &Options, watch: &dyn Watch) -> Result<Meshed, 
 
     stages.begin("fill")?;
     let members = members(options);
-    let triad = Triad::new(&members, size.as_ref(), arrangement.tolerance, arrangement.points.len() as u32)
-        .watched(watch);
+    let triad = Triad::new(&members, arrangement.tolerance, arrangement.points.len() as u32).watched(watch);
     let curves = Curves::new(job, &arrangement);
     let layer_rules = layer_rules(options);
     let results: Vec<RegionResult> = arrangement

@@ -12,7 +12,7 @@ use csalf_geom::Point2;
 use csalf_geom::arrangement::{Arrangement, Region};
 use csalf_mesh::NodeFlags;
 use csalf_pave::{LayerSpec, LayerTask, Layers, PavingRules, Walk, WalkKind, pave_layers};
-use csalf_sizemap::SizeField;
+use csalf_sizemap::{Background, Hint, SizeField, graded};
 use csalf_subdiv::fallback::{ear, without};
 use csalf_subdiv::{Walks, bridge};
 
@@ -121,6 +121,7 @@ pub(crate) fn mesh_region(
     let mut points: Vec<Point2> = ids.iter().map(|&v| arrangement.points[v as usize]).collect();
     let mut flags = vec![NodeFlags::GEOMETRY; points.len()];
 
+    let mut handed = None;
     if let Some(rules) = layer_rules {
         let which: Vec<usize> = global_walks.iter().map(|w| curves.of_walk(w)).collect();
         let layers = lay(&walks, &which, &points, curves, rules, size, arrangement);
@@ -146,7 +147,12 @@ pub(crate) fn mesh_region(
         points.extend_from_slice(&layers.points);
         out.trees.push(Filled::leaf(first, layers.points, quads));
         walks = layers.fronts;
+        // The paper has no such thing.
+        handed = (rules.rules == PavingRules::Corrected)
+            .then(|| hand_over(size, &points, &layers.ring_sizes, &walks))
+            .flatten();
     }
+    let size = handed.as_ref().map_or(size, |b| b as &dyn SizeField);
 
     let internal = |stage, detail: String| MeshError::Internal { stage, detail };
     let input = Walks { walks: &walks, points: &points, flags: &flags };
@@ -169,9 +175,42 @@ pub(crate) fn mesh_region(
     if bridged.contour.len() < 4 {
         return Ok(out);
     }
-    let filled = triad.fill(&bridged.contour).map_err(|e| internal("triad", e.to_string()))?;
+    let filled = triad.fill(&bridged.contour, size).map_err(|e| internal("triad", e.to_string()))?;
     out.trees.push(filled);
     Ok(out)
+}
+
+/// Largest growth of the size from the last rings on, per unit of length. Smaller (0.25, 0.35): fewer irregular
+/// vertices beside rings, but edges shorter than asked for far around (slots: size share 0.90 to 0.80).
+const HAND_OVER: f64 = 0.5;
+/// Rings whose edges are longer than this share of the wanted length need no hand-over.
+const FINER: f64 = 0.75;
+
+/// The size field of what the fronts bound, lowered to the sizes of the last rings: it leaves them with the gradation
+/// [`HAND_OVER`], so that there is no jump. `None` if nowhere lower, or if the fronts cannot be triangulated (scars).
+fn hand_over(
+    size: &dyn SizeField,
+    points: &[Point2],
+    rings: &[(u32, f64)],
+    fronts: &[Vec<u32>],
+) -> Option<Background> {
+    let mut hint = Hint::default();
+    if !rings.iter().any(|&(v, s)| s < FINER * size.h(points[v as usize], &mut hint)) {
+        return None;
+    }
+    let mut nodes: Vec<u32> = fronts.iter().flatten().copied().collect();
+    nodes.sort_unstable();
+    nodes.dedup();
+    let name = |v: u32| nodes.binary_search(&v).map_or(0, |i| i as u32);
+    let at: Vec<Point2> = nodes.iter().map(|&v| points[v as usize]).collect();
+    let mut values: Vec<f64> = at.iter().map(|&p| size.h(p, &mut hint)).collect();
+    for &(v, s) in rings {
+        let k = name(v) as usize;
+        values[k] = values[k].min(s);
+    }
+    let loops: Vec<Vec<u32>> =
+        fronts.iter().filter(|f| f.len() > 2).map(|f| f.iter().map(|&v| name(v)).collect()).collect();
+    graded(size, &at, &values, &loops, HAND_OVER).ok()
 }
 
 /// Algorithm I on the walks of one region.

@@ -24,7 +24,6 @@ const PARALLEL_MIN: usize = 64;
 /// The members in the order in which they are asked.
 pub struct Triad<'a> {
     members: &'a [Arc<dyn RegionMesher>],
-    size: &'a dyn SizeField,
     tolerance: Tolerance,
     next_id: AtomicU32,
     taken: Vec<AtomicUsize>,
@@ -61,15 +60,9 @@ pub struct Unfilled {
 impl<'a> Triad<'a> {
     /// A triad of the given members; the last one should be the guaranteed fallback. New points are numbered from
     /// `first_id` on, above all ids in the contours that will be given to [`Self::fill`].
-    pub fn new(
-        members: &'a [Arc<dyn RegionMesher>],
-        size: &'a dyn SizeField,
-        tolerance: Tolerance,
-        first_id: u32,
-    ) -> Self {
+    pub fn new(members: &'a [Arc<dyn RegionMesher>], tolerance: Tolerance, first_id: u32) -> Self {
         Self {
             members,
-            size,
             tolerance,
             next_id: AtomicU32::new(first_id),
             taken: members.iter().map(|_| AtomicUsize::new(0)).collect(),
@@ -97,21 +90,21 @@ impl<'a> Triad<'a> {
         self.next_id.load(Ordering::Relaxed) as usize
     }
 
-    /// Fills a contour completely.
+    /// Fills a contour completely, with quads as large as `size` says.
     ///
     /// # Errors
     /// [`Unfilled`] if every member refuses some sub-contour, or the watch is cancelled.
-    pub fn fill(&self, contour: &Contour) -> Result<Filled, Unfilled> {
+    pub fn fill(&self, contour: &Contour, size: &dyn SizeField) -> Result<Filled, Unfilled> {
         // Meshers see ids that do not depend on the order in which the threads took theirs: the first occurrence.
         let shown = Contour { ids: contour.first_occurrences(), ..contour.clone() };
-        let task = RegionTask { contour: &shown, size: self.size, tolerance: self.tolerance };
+        let task = RegionTask { contour: &shown, size, tolerance: self.tolerance };
         for (member, taken) in self.members.iter().zip(&self.taken) {
             if self.watch.cancelled() {
                 break;
             }
             match member.mesh(&task) {
                 // A step that leaves something nobody can fill was a bad one: it is dropped.
-                Ok(patch) => match self.commit(contour, patch) {
+                Ok(patch) => match self.commit(contour, patch, size) {
                     Ok(filled) => {
                         taken.fetch_add(1, Ordering::Relaxed);
                         return Ok(filled);
@@ -127,7 +120,7 @@ impl<'a> Triad<'a> {
         Err(Unfilled { n_nodes: contour.len(), x: p.x, y: p.y })
     }
 
-    fn commit(&self, contour: &Contour, patch: Patch) -> Result<Filled, Unfilled> {
+    fn commit(&self, contour: &Contour, patch: Patch, size: &dyn SizeField) -> Result<Filled, Unfilled> {
         let n = contour.len() as u32;
         let first_id = self.reserve(patch.points.len());
         let id = |name: u32| if name < n { contour.ids[name as usize] } else { first_id + name - n };
@@ -143,7 +136,7 @@ impl<'a> Triad<'a> {
                         c.push(contour.points[i], contour.ids[i], contour.sizes[i], contour.flags[i]);
                     } else {
                         let p = patch.points[(name - n) as usize];
-                        c.push(p, id(name), self.size.h(p, &mut hint), NodeFlags::default());
+                        c.push(p, id(name), size.h(p, &mut hint), NodeFlags::default());
                     }
                 }
                 c
@@ -154,9 +147,9 @@ impl<'a> Triad<'a> {
             *q = q.map(id);
         }
         let children = if child_contours.iter().map(Contour::len).sum::<usize>() >= PARALLEL_MIN {
-            child_contours.par_iter().map(|c| self.fill(c)).collect::<Result<Vec<_>, _>>()?
+            child_contours.par_iter().map(|c| self.fill(c, size)).collect::<Result<Vec<_>, _>>()?
         } else {
-            child_contours.iter().map(|c| self.fill(c)).collect::<Result<Vec<_>, _>>()?
+            child_contours.iter().map(|c| self.fill(c, size)).collect::<Result<Vec<_>, _>>()?
         };
         Ok(Filled { first_id, points: patch.points, quads, children })
     }

@@ -21,7 +21,7 @@ use crate::build::{Candidate, Failure, LoopState, NEW, Order, build, build_point
 use crate::evaluate::{self, Others, Stop};
 use crate::index::{Index, Segment, distance};
 use crate::laws::{Thickness, thickness};
-use crate::{LayerSpec, PavingRules};
+use crate::{LayerLaw, LayerSpec, PavingRules};
 use csalf_geom::{Point2, Tolerance, polygon};
 use csalf_sizemap::{Hint, SizeField};
 
@@ -109,6 +109,8 @@ struct Path<'a> {
     user: bool,
     /// Mean segment length of the walk.
     mean: f64,
+    /// Wanted length where its last layer will end.
+    end: f64,
     done: usize,
     active: bool,
     /// Further rings are welcome where they follow the size field.
@@ -123,6 +125,11 @@ struct Path<'a> {
 const COARSEST: f64 = 1.6;
 /// Rings by rule are not made thinner than this share of their edges for the sake of the size field.
 const FLATTEST: f64 = 0.35;
+
+/// Layers that are counted to find where the last one ends.
+const MOST_ASKED: usize = 1000;
+/// The length of a front at a node is the mean over so many segments on each side.
+const SPREAD: usize = 3;
 
 /// Most layers by rule.
 const MOST_LAYERS: usize = 16;
@@ -191,8 +198,9 @@ pub fn pave_layers(task: &LayerTask<'_>) -> Layers {
         let n = p.state.nodes.len();
         for k in 0..n {
             if p.state.nodes[k] as usize >= task.points.len() {
-                let q = &p.state.points;
-                let l = 0.5 * (q[k].distance(q[(k + n - 1) % n]) + q[k].distance(q[(k + 1) % n]));
+                let q = |i: usize| p.state.points[(k + n + i - SPREAD % n) % n];
+                let l: f64 = (0..2 * SPREAD).map(|i| q(i).distance(q(i + 1))).sum();
+                let l = l / (2 * SPREAD) as f64;
                 sizes.push((p.state.nodes[k], l));
             }
         }
@@ -221,6 +229,7 @@ fn path<'a>(task: &LayerTask<'_>, index: usize, walk: &'a Walk) -> Path<'a> {
         let count = if task.defaults { wanted_layers(walk.kind, &points, task.size.range().1) } else { 0 };
         LayerSpec { count, ..LayerSpec::default() }
     });
+    let end = if sound { size_at_end(task, &points, &spec, mean) } else { mean };
     let usable = sound && mean.is_finite() && mean > task.tolerance.merge() && (n == 1 || n >= 4);
     Path {
         state: LoopState {
@@ -236,6 +245,7 @@ fn path<'a>(task: &LayerTask<'_>, index: usize, walk: &'a Walk) -> Path<'a> {
             && task.rules == PavingRules::Corrected,
         user,
         mean,
+        end,
         done: 0,
         active: spec.count > 0 && usable,
         index: index as u32,
@@ -243,6 +253,28 @@ fn path<'a>(task: &LayerTask<'_>, index: usize, walk: &'a Walk) -> Path<'a> {
         spec,
         walk,
     }
+}
+
+/// Mean wanted length where the last of the layers ends, for the law that asks for it (parabolic). How far that is
+/// depends on it in turn: a few rounds from the loop itself.
+fn size_at_end(task: &LayerTask<'_>, points: &[Point2], spec: &LayerSpec, mean: f64) -> f64 {
+    let n = points.len();
+    if spec.law != LayerLaw::Parabolic || n < 3 {
+        return mean;
+    }
+    let mut hint = Hint::default();
+    let mut at = |depth: f64| {
+        let inward = |i: usize| (points[(i + 1) % n] - points[(i + n - 1) % n]).perp().normalize_or_zero();
+        (0..n).map(|i| task.size.h(points[i] + inward(i) * depth, &mut hint)).sum::<f64>() / n as f64
+    };
+    let mut end = at(0.0);
+    for _ in 0..4 {
+        let layer = |i: usize| match thickness(spec, i, mean, end) {
+            Thickness::Fixed(t) | Thickness::Isotropic(t) => t,
+        };
+        end = at((0..spec.count.min(MOST_ASKED)).map(layer).sum());
+    }
+    end
 }
 
 /// One ring for every loop that wants one.
@@ -390,8 +422,7 @@ fn propose(
     hint: &mut Hint,
 ) -> Result<Candidate, Failure> {
     let p = &paths[attempt.path];
-    let far = p.state.points.first().map_or(p.mean, |q| task.size.h(*q, hint));
-    let t = thickness(&p.spec, p.done, p.mean, far);
+    let t = thickness(&p.spec, p.done, p.mean, p.end);
     if p.walk.kind == WalkKind::Point && p.done == 0 {
         let (Some(&id), Some(&at)) = (p.state.nodes.first(), p.state.points.first()) else {
             return Err(Stop::Short.into());
