@@ -27,7 +27,7 @@ pub(super) const INNER: u32 = 4;
 /// Likewise one on the boundary.
 const BOUNDARY: u32 = 2;
 /// Likewise one at a quad that must stay. Larger: rings round, more irregular vertices further in.
-pub(super) const LAYER: u32 = 24;
+pub(super) const LAYER: u32 = 14;
 
 /// The mesh with everything that decides what may be done where.
 pub(super) struct Site<'a> {
