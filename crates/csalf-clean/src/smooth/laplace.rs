@@ -11,11 +11,11 @@
 //! A move is kept if the worst corner around does not get worse, or stays above the floor. Source: handbook
 //! 7.2.
 
-use super::{energy::worst_corner, region::Region};
+use super::{energy::{is_above, worst_corner}, region::Region};
 use csalf_geom::Point2;
 
 /// Where free vertex `v` goes; its own place if the mesh around would get worse. `floor` is the scaled
-/// Jacobian down to which a corner may get worse, squared. Cost about 0.15 us.
+/// Jacobian down to which a corner may get worse, squared. Cost about 0.1 us.
 pub(crate) fn step(region: &Region, v: u32, floor: f64) -> Point2 {
     let old = region.points[v as usize];
     let (mut sum, mut weight) = (Point2::ZERO, 0.0);
@@ -30,6 +30,7 @@ pub(crate) fn step(region: &Region, v: u32, floor: f64) -> Point2 {
         return old;
     }
     let goal = old + sum / weight;
-    let worst = worst_corner(region, v, goal);
-    if worst >= floor || worst >= worst_corner(region, v, old) { goal } else { old }
+    let good = is_above(region, v, goal, floor)
+        || worst_corner(region, v, goal) >= worst_corner(region, v, old);
+    if good { goal } else { old }
 }

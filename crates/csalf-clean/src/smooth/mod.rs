@@ -12,6 +12,7 @@
 //! 7.
 
 mod energy;
+mod lanes;
 mod laplace;
 mod lbfgs;
 mod optimise;
