@@ -22,6 +22,10 @@ pub struct EditMesh<'a> {
     n_before: (usize, usize),
     /// Per vertex: index into `lists`, or none while its star is that of the topology.
     slot: Vec<u32>,
+    /// Per vertex: number of its quads, at most 255.
+    degree: Vec<u8>,
+    /// Per side 4 q + k: the side beyond, or none.
+    twin: Vec<u32>,
     lists: Vec<Vec<u32>>,
     free_quads: Vec<u32>,
     free_vertices: Vec<u32>,
@@ -30,11 +34,13 @@ pub struct EditMesh<'a> {
 }
 
 impl<'a> EditMesh<'a> {
-    /// Starts editing. Cost: one word per vertex.
+    /// Starts editing. Cost: some words per vertex.
     pub fn new(mesh: &'a mut QuadMesh, topology: &'a QuadTopology) -> Self {
         let n_before = (mesh.n_vertices(), mesh.n_quads());
         Self {
             slot: vec![NONE; n_before.0],
+            degree: topology.star_start.windows(2).map(|w| (w[1] - w[0]).min(255) as u8).collect(),
+            twin: topology.twin.clone(),
             mesh,
             topology,
             n_before,
@@ -54,10 +60,10 @@ impl<'a> EditMesh<'a> {
         }
     }
 
-    /// Number of quads at `v`.
+    /// Number of quads at `v`; more than 255 count as 255.
     #[inline]
     pub fn valence(&self, v: u32) -> usize {
-        self.star(v).len()
+        usize::from(self.degree[v as usize])
     }
 
     /// True for vertices on the boundary; edits keep them.
@@ -99,13 +105,18 @@ impl<'a> EditMesh<'a> {
     }
 
     /// The quad beyond side k of quad q, as its own side `4 q' + k'`; `None` on the boundary.
+    #[inline]
     pub fn across(&self, q: u32, k: u32) -> Option<u32> {
-        let vs = self.quad(q);
-        let (a, b) = (vs[(k & 3) as usize], vs[((k + 1) & 3) as usize]);
-        self.star(b)
-            .iter()
-            .copied()
-            .find(|&h| self.mesh.quads[(h / 4) as usize][((h + 1) & 3) as usize].0 == a)
+        let h = self.twin[(4 * q + (k & 3)) as usize];
+        (h != NONE).then_some(h)
+    }
+
+    /// The side that runs back along `h`, found at its head.
+    fn beyond(&self, h: u32) -> u32 {
+        let vs = self.quad(h / 4);
+        let (a, b) = (vs[(h & 3) as usize], vs[((h + 1) & 3) as usize]);
+        let back = |g: &u32| self.mesh.quads[(g / 4) as usize][((g + 1) & 3) as usize].0 == a;
+        self.star(b).iter().copied().find(back).unwrap_or(NONE)
     }
 
     /// Replaces the quads `old` by `new`, in which names from `n_vertices()` on are new points in order.
@@ -114,9 +125,14 @@ impl<'a> EditMesh<'a> {
         let first = self.n_vertices() as u32;
         let mut touched: Vec<u32> = Vec::with_capacity(4 * old.len());
         for &q in old {
-            for v in self.quad(q) {
+            for (k, v) in self.quad(q).into_iter().enumerate() {
                 touched.push(v);
                 self.own(v).retain(|&h| h / 4 != q);
+                let side = &mut self.twin[4 * q as usize + k];
+                let beyond = std::mem::replace(side, NONE);
+                if let Some(t) = self.twin.get_mut(beyond as usize) {
+                    *t = NONE;
+                }
             }
             self.mesh.quads[q as usize] = [VertexId(NONE); 4];
             self.free_quads.push(q);
@@ -133,24 +149,39 @@ impl<'a> EditMesh<'a> {
                 None => {
                     self.mesh.points.push(p);
                     self.slot.push(self.lists.len() as u32);
+                    self.degree.push(0);
                     self.lists.push(Vec::with_capacity(5));
                     self.slot.len() as u32 - 1
                 }
             });
         }
+        let mut placed = Vec::with_capacity(new.len());
         for q in new {
             let vs = q.map(|v| if v < first { v } else { names[(v - first) as usize] });
             let at = self.free_quads.pop().unwrap_or(self.mesh.quads.len() as u32);
             if at as usize == self.mesh.quads.len() {
                 self.mesh.quads.push([VertexId(NONE); 4]);
+                self.twin.extend([NONE; 4]);
             }
+            placed.push(at);
             self.mesh.quads[at as usize] = vs.map(VertexId);
             for (k, v) in vs.into_iter().enumerate() {
                 self.own(v).push(4 * at + k as u32);
+                touched.push(v);
+            }
+        }
+        for h in placed.into_iter().flat_map(|q| 4 * q..4 * q + 4) {
+            let g = self.beyond(h);
+            self.twin[h as usize] = g;
+            if let Some(t) = self.twin.get_mut(g as usize) {
+                *t = h;
             }
         }
         touched.sort_unstable();
         touched.dedup();
+        for &v in &touched {
+            self.degree[v as usize] = self.star(v).len().min(255) as u8;
+        }
         // Descending, so that the lowest names are given first.
         let lone: Vec<u32> = touched.into_iter().rev().filter(|&v| self.star(v).is_empty()).collect();
         self.gone.0.extend(&lone);

@@ -44,6 +44,11 @@ pub(super) struct Site<'a> {
     pub(super) rejected: Rejections,
     /// Keys of cavities that were tried in vain.
     pub(super) failed: BTreeSet<u64>,
+    /// Per quad: the wanted length at its centre, once known; 0: not yet.
+    pub(super) lengths: Vec<f64>,
+    /// Per quad: the last search that met it, and the quad that it came from.
+    pub(super) met: Vec<(u32, u32)>,
+    pub(super) n_searches: u32,
 }
 
 /// The cavity under construction, with counts that are cleared by the numbers of its own vertices.
@@ -62,6 +67,14 @@ pub(super) struct Cavity {
     pub(super) wanted: Vec<u8>,
 }
 
+/// What makes a closed cavity, to go back to.
+#[derive(Debug, Default)]
+pub(super) struct Saved {
+    quads: Vec<u32>,
+    rim: Vec<u32>,
+    wanted: Vec<u8>,
+}
+
 impl Cavity {
     /// Empties the cavity, which then fits `n_vertices` and `n_quads`.
     pub(super) fn clear(&mut self, n_vertices: usize, n_quads: usize) {
@@ -77,6 +90,12 @@ impl Cavity {
         self.next.resize(n_vertices, NONE);
         self.has.resize(n_quads, false);
         self.queue.clear();
+    }
+
+    pub(super) fn save(&self, into: &mut Saved) {
+        into.quads.clone_from(&self.quads);
+        into.rim.clone_from(&self.rim);
+        into.wanted.clone_from(&self.wanted);
     }
 
     pub(super) fn has(&self, q: u32) -> bool {
@@ -136,6 +155,9 @@ impl<'a> Site<'a> {
             special,
             rejected: Rejections::default(),
             failed: BTreeSet::new(),
+            lengths: Vec::new(),
+            met: Vec::new(),
+            n_searches: 0,
         }
     }
 
@@ -265,6 +287,17 @@ impl<'a> Site<'a> {
             }
         }
         any && (cavity.quads.len() > n || cavity.inside(v) == self.mesh.valence(v))
+    }
+
+    /// Back to a cavity that was closed, in the mesh as it was then.
+    pub(super) fn restore(&self, cavity: &mut Cavity, saved: &Saved) {
+        cavity.clear(self.mesh.n_vertices(), self.mesh.n_quads());
+        for &q in &saved.quads {
+            cavity.add(q, self.mesh.quad(q));
+        }
+        cavity.queue.clear();
+        cavity.rim.clone_from(&saved.rim);
+        cavity.wanted.clone_from(&saved.wanted);
     }
 
     /// Makes the cavity convex and finds its rim; false if that cannot be. The cavity then holds whatever

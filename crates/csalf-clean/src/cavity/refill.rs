@@ -5,7 +5,7 @@
 //!                        before                                        after
 //! ```
 
-use super::grow::{Cavity, INNER, Site, weight};
+use super::grow::{Cavity, INNER, Saved, Site, weight};
 use super::local_size::LinearSize;
 use crate::smooth::{SmoothOptions, finish, smooth};
 use csalf_geom::{Point2, VertexId};
@@ -53,6 +53,20 @@ impl Measure {
     }
 }
 
+/// Of quads, each with its wanted length.
+fn measure(quads: impl Iterator<Item = ([Point2; 4], f64)>) -> Measure {
+    let mut m = Measure { min: 1.0, ..Measure::default() };
+    for (p, h) in quads {
+        let c = Corners::new(&p);
+        let s = c.min_scaled();
+        m.min = m.min.min(s);
+        m.sum += s;
+        m.n += 1.0;
+        m.off += 0.25 * c.length.iter().filter(|&&l| !(0.7 * h..=1.4 * h).contains(&l)).count() as f64;
+    }
+    m
+}
+
 fn quads_of(mesh: &QuadMesh) -> impl Iterator<Item = [Point2; 4]> {
     mesh.quads.iter().map(|q| q.map(|v| mesh.points[v.index()]))
 }
@@ -92,11 +106,12 @@ impl Site<'_> {
     /// taken; `near` receives the vertices whose surroundings changed.
     pub(super) fn improve(&mut self, seed: u32, cavity: &mut Cavity, near: &mut Vec<u32>) -> (usize, bool) {
         cavity.clear(self.mesh.n_vertices(), self.mesh.n_quads());
-        let [targets, parent] = self.search(seed);
         if !self.add_star(cavity, seed) || !self.close(cavity) {
             self.rejected.blocked += 1;
             return (0, false);
         }
+        let mut targets: Option<Vec<(u32, u32)>> = None;
+        let mut saved = Saved::default();
         let mut next_target = 0;
         let mut rings = 0;
         let mut tries = Tries::new(self.task.rules.patches, FILLS);
@@ -109,7 +124,8 @@ impl Site<'_> {
             if tries.are_spent() {
                 return (tries.tried, false);
             }
-            let good: Vec<u32> = cavity.quads.clone();
+            cavity.save(&mut saved);
+            let targets = targets.get_or_insert_with(|| self.search(seed));
             let mut grown = false;
             while next_target < targets.len() {
                 let (v, q) = targets[next_target];
@@ -117,11 +133,11 @@ impl Site<'_> {
                 if cavity.inside(v) == self.mesh.valence(v) {
                     continue;
                 }
-                if self.add_path(cavity, q, &parent) && self.add_star(cavity, v) && self.close(cavity) {
+                if self.add_path(cavity, q) && self.add_star(cavity, v) && self.close(cavity) {
                     grown = true;
                     break;
                 }
-                self.restore(cavity, &good);
+                self.restore(cavity, &saved);
             }
             if !grown {
                 let rim = cavity.rim.clone();
@@ -146,38 +162,27 @@ impl Site<'_> {
     fn push_sides(&mut self, cavity: &mut Cavity, near: &mut Vec<u32>, tries: &mut Tries) -> bool {
         let n = cavity.rim.len();
         let corners: Vec<usize> = (0..n).filter(|&i| cavity.wanted[i] == 1).collect();
-        let (rim, good) = (cavity.rim.clone(), cavity.quads.clone());
+        let mut saved = Saved::default();
+        cavity.save(&mut saved);
+        let rim = cavity.rim.clone();
         for (k, &from) in corners.iter().enumerate() {
             let to = corners.get(k + 1).copied().unwrap_or(corners[0] + n);
             let mut all = true;
             for i in from..to {
                 let (a, b) = (rim[i % n], rim[(i + 1) % n]);
-                let beyond = self
-                    .mesh
-                    .star(b)
-                    .iter()
-                    .copied()
-                    .find(|&h| !cavity.has(h / 4) && self.mesh.quad(h / 4)[((h + 1) & 3) as usize] == a);
+                let back = |h: &u32| self.mesh.quad(h / 4)[((h + 1) & 3) as usize] == a;
+                let beyond = self.mesh.star(b).iter().copied().find(|h| !cavity.has(h / 4) && back(h));
                 all = all && beyond.is_some_and(|h| self.add(cavity, h / 4));
             }
             if all && self.close(cavity) && matches!(self.attempt(cavity, near, tries), Outcome::Taken) {
                 return true;
             }
-            self.restore(cavity, &good);
+            self.restore(cavity, &saved);
             if tries.are_spent() {
                 return false;
             }
         }
         false
-    }
-
-    /// Back to these quads, which were a cavity.
-    fn restore(&mut self, cavity: &mut Cavity, quads: &[u32]) {
-        cavity.clear(self.mesh.n_vertices(), self.mesh.n_quads());
-        for &q in quads {
-            self.add(cavity, q);
-        }
-        self.close(cavity);
     }
 
     /// True if a patch might have a lower potential.
@@ -186,44 +191,43 @@ impl Site<'_> {
         now > 0 && Self::least(cavity).is_some_and(|l| l < now)
     }
 
-    /// The nearest irregular vertices around `seed`, each with a quad that has it, and the tree of quads back to
-    /// the seed as pairs (quad, parent).
-    fn search(&mut self, seed: u32) -> [Vec<(u32, u32)>; 2] {
-        let mut order: Vec<(u32, u32)> = self.mesh.star(seed).iter().map(|&h| (h / 4, NONE)).collect();
+    /// The nearest irregular vertices around `seed`, each with a quad that has it. `met` holds the tree of quads back to
+    /// the seed.
+    fn search(&mut self, seed: u32) -> Vec<(u32, u32)> {
+        self.n_searches += 1;
+        let now = self.n_searches;
+        self.met.resize(self.mesh.n_quads(), (0, NONE));
+        let mut order: Vec<u32> = self.mesh.star(seed).iter().map(|&h| h / 4).collect();
+        order.iter().for_each(|&q| self.met[q as usize] = (now, NONE));
         let mut found: Vec<(u32, u32)> = Vec::new();
-        let mut seen: Vec<u32> = order.iter().map(|o| o.0).collect();
-        seen.sort_unstable();
         let mut i = 0;
         while i < order.len() && order.len() < SEARCH && found.len() < TARGETS {
-            let q = order[i].0;
+            let q = order[i];
             for v in self.mesh.quad(q) {
-                if v != seed && found.iter().all(|f| f.0 != v) && self.is_irregular(v) {
+                if v != seed && self.is_irregular(v) && found.iter().all(|f| f.0 != v) {
                     found.push((v, q));
                 }
             }
             for k in 0..4 {
                 let Some(h) = self.mesh.across(q, k) else { continue };
                 let o = h / 4;
-                if self.is_protected(o) {
-                    continue;
-                }
-                if let Err(at) = seen.binary_search(&o) {
-                    seen.insert(at, o);
-                    order.push((o, q));
+                if self.met[o as usize].0 != now && !self.is_protected(o) {
+                    self.met[o as usize] = (now, q);
+                    order.push(o);
                 }
             }
             i += 1;
         }
-        order.sort_unstable();
-        [found, order]
+        found
     }
 
-    fn add_path(&self, cavity: &mut Cavity, mut q: u32, parent: &[(u32, u32)]) -> bool {
+    /// Adds the quads from `q` back to the seed of the last search.
+    fn add_path(&self, cavity: &mut Cavity, mut q: u32) -> bool {
         while q != NONE {
             if !self.add(cavity, q) {
                 return false;
             }
-            q = parent.binary_search_by_key(&q, |p| p.0).map_or(NONE, |i| parent[i].1);
+            q = self.met[q as usize].1;
         }
         true
     }
@@ -278,10 +282,8 @@ impl Site<'_> {
     ) -> bool {
         let size = LinearSize::new(self.task.size, samples);
         let mut local = self.local(cavity, patch);
-        let around =
-            self.measure(local.around.iter().map(|&q| self.mesh.quad(q).map(|v| self.mesh.point(v))));
-        let inside =
-            self.measure(cavity.quads.iter().map(|&q| self.mesh.quad(q).map(|v| self.mesh.point(v))));
+        let around = self.measure_known(&local.around);
+        let inside = self.measure_known(&cavity.quads);
         let n_around = local.around.len();
         let before = inside.and(&around);
         let r = &self.task.rules;
@@ -319,7 +321,10 @@ impl Site<'_> {
         } else {
             smooth(&mut local.mesh, &topology, &local.fixed, &size, &options);
         }
-        let now = self.measure(quads_of(&local.mesh));
+        // What is around moves little: its sizes stay.
+        let lengths = local.around.iter().map(|&q| self.lengths[q as usize]);
+        let around = measure(quads_of(&local.mesh).zip(lengths));
+        let now = self.measure(quads_of(&local.mesh).skip(n_around)).and(&around);
         let counter = if certify(&local.mesh.points, &local.mesh.quads).is_some()
             || now.min < before.min.min(r.min_sj)
         {
@@ -381,18 +386,23 @@ impl Site<'_> {
     }
 
     fn measure(&self, quads: impl Iterator<Item = [Point2; 4]>) -> Measure {
-        let mut m = Measure { min: 1.0, ..Measure::default() };
         let mut hint = Hint::default();
-        for p in quads {
-            let c = Corners::new(&p);
-            let s = c.min_scaled();
-            m.min = m.min.min(s);
-            m.sum += s;
-            m.n += 1.0;
-            let h = self.task.size.h(0.25 * (p[0] + p[1] + p[2] + p[3]), &mut hint);
-            m.off += 0.25 * c.length.iter().filter(|&&l| !(0.7 * h..=1.4 * h).contains(&l)).count() as f64;
+        measure(quads.map(|p| (p, self.task.size.h(0.25 * (p[0] + p[1] + p[2] + p[3]), &mut hint))))
+    }
+
+    /// Of quads of the mesh, whose wanted lengths are remembered.
+    fn measure_known(&mut self, quads: &[u32]) -> Measure {
+        self.lengths.resize(self.mesh.n_quads(), 0.0);
+        let mut hint = Hint::default();
+        let corners = |q: u32| self.mesh.quad(q).map(|v| self.mesh.point(v));
+        for &q in quads {
+            let h = &mut self.lengths[q as usize];
+            if *h == 0.0 {
+                let p = corners(q);
+                *h = self.task.size.h(0.25 * (p[0] + p[1] + p[2] + p[3]), &mut hint);
+            }
         }
-        m
+        measure(quads.iter().map(|&q| (corners(q), self.lengths[q as usize])))
     }
 
     /// What a cavity is made of, as a number.
@@ -413,6 +423,9 @@ impl Site<'_> {
         let name = |v: u32| if v < n_rim { cavity.rim[v as usize] } else { first + v - n_rim };
         let quads: Vec<[u32; 4]> = patch.quads.iter().map(|q| q.map(name)).collect();
         let n_old = local.names.len();
+        for &q in cavity.quads.iter().chain(&local.around) {
+            self.lengths[q as usize] = 0.0;
+        }
         let new = self.mesh.replace(&cavity.quads, &quads, &local.mesh.points[n_old..]);
         for (i, &v) in local.names.iter().enumerate() {
             if !local.fixed[i] {

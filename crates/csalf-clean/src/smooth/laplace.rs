@@ -11,7 +11,10 @@
 //! A move is kept if the worst corner around does not get worse, or stays above the floor. Source: handbook
 //! 7.2.
 
-use super::{energy::{is_above, worst_corner}, region::Region};
+use super::{
+    energy::{is_above, worst_corner},
+    region::Region,
+};
 use csalf_geom::Point2;
 
 /// Where free vertex `v` goes; its own place if the mesh around would get worse. `floor` is the scaled
@@ -30,7 +33,7 @@ pub(crate) fn step(region: &Region, v: u32, floor: f64) -> Point2 {
         return old;
     }
     let goal = old + sum / weight;
-    let good = is_above(region, v, goal, floor)
-        || worst_corner(region, v, goal) >= worst_corner(region, v, old);
+    let good =
+        is_above(region, v, goal, floor) || worst_corner(region, v, goal) >= worst_corner(region, v, old);
     if good { goal } else { old }
 }
