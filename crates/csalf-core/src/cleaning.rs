@@ -50,7 +50,7 @@ pub(crate) fn clean(
     let quality = options.method == Method::Csalf && options.preset == Preset::Quality;
     // What cavities change is smoothed again.
     let smoothing =
-        if quality { SmoothOptions { sweeps: 4, ..Default::default() } } else { Default::default() };
+        if quality { SmoothOptions { sweeps: 1, ..Default::default() } } else { Default::default() };
     let scars = arrangement.scars.iter();
     let kept: Vec<[VertexId; 2]> =
         scars.flat_map(|s| s.windows(2).map(|w| [VertexId(w[0]), VertexId(w[1])])).collect();
@@ -79,7 +79,8 @@ pub(crate) fn clean(
             *s = true;
         }
     }
-    let topology = QuadTopology::new(mesh.n_vertices(), &mesh.quads);
+    let topology =
+        if cleaned.taken == 0 { topology } else { QuadTopology::new(mesh.n_vertices(), &mesh.quads) };
     let threshold = polish_threshold(mesh);
     finish(mesh, &topology, &still, size, &SmoothOptions { threshold, ..POLISH });
     topology

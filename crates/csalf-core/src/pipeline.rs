@@ -178,11 +178,13 @@ fn members(options: &Options) -> Vec<Arc<dyn RegionMesher>> {
     out
 }
 
+/// Quads, or sides, that one task of the certificate looks at.
+const CHUNK: usize = 1 << 14;
+
 /// The certificate that every mesh carries: strictly convex quads by exact predicates, conforming, the given boundary
 /// and nothing else, the area of the domain (together these exclude overlaps and gaps), scars and hard points kept.
 fn certify(mesh: &QuadMesh, topology: &QuadTopology, arrangement: &Arrangement) -> Result<(), MeshError> {
     let fail = |detail: String| Err(MeshError::Internal { stage: "certify", detail });
-    const CHUNK: usize = 1 << 14;
     let bad = mesh
         .quads
         .par_chunks(CHUNK)
@@ -213,7 +215,9 @@ fn certify(mesh: &QuadMesh, topology: &QuadTopology, arrangement: &Arrangement) 
         let p = |v: VertexId| mesh.points[v.index()] - o;
         (p(c) - p(a)).perp_dot(p(d) - p(b))
     };
-    let quads: f64 = mesh.quads.iter().map(|q| twice(q[0], q[1], q[2], q[3])).sum();
+    // Chunk by chunk, so that the sum does not depend on the number of threads.
+    let chunk = |quads: &[[VertexId; 4]]| quads.iter().map(|q| twice(q[0], q[1], q[2], q[3])).sum::<f64>();
+    let quads: f64 = mesh.quads.par_chunks(CHUNK).map(chunk).collect::<Vec<_>>().iter().sum();
     let triangles: f64 = mesh.triangles.iter().map(|t| twice(t[0], t[1], t[2], t[0])).sum();
     let area = 0.5 * (quads + triangles);
     if (area - arrangement.area).abs() > validate::AREA_TOLERANCE * arrangement.area {
@@ -240,7 +244,9 @@ fn certify_curves(
     let ends = |h: usize| (mesh.quads[h / 4][h & 3], mesh.quads[h / 4][(h + 1) & 3]);
     let sides = || mesh.triangles.iter().flat_map(|t| (0..3).map(|k| (t[k], t[(k + 1) % 3])));
     let mut n_given = sides().filter(|&(a, b)| given(a, b)).count();
-    for (a, b) in (0..topology.twin.len()).filter(|&h| topology.twin[h] == QuadTopology::NONE).map(ends) {
+    let open = topology.twin.par_iter().with_min_len(CHUNK).enumerate();
+    let open: Vec<usize> = open.filter(|&(_, &t)| t == QuadTopology::NONE).map(|(h, _)| h).collect();
+    for (a, b) in open.into_iter().map(ends) {
         if given(a, b) {
             n_given += 1;
         } else if !sides().any(|side| side == (b, a)) {

@@ -70,27 +70,20 @@ impl QuadTopology {
             }
         });
         // A pair must be one both ways; a half-edge without a partner must be alone in its direction.
-        let is_bad = |h: usize| match twin[h] {
-            MANY => true,
-            Self::NONE => {
-                let h = h as u32;
-                out(tail(h)).iter().filter(|&&g| head(g) == head(h)).count() > 1
-            }
-            g => twin[g as usize] != h as u32,
-        };
-        let bad = filter_indices(twin.len(), is_bad);
-        let n_bad_edges = bad.len();
+        let is_pair = |h: usize| twin.get(twin[h] as usize).is_some_and(|&back| back == h as u32);
         let mut on_boundary = vec![false; n_vertices];
-        let mut listed = bad.iter().peekable();
-        for h in 0..twin.len() {
-            if listed.next_if(|&&b| b == h).is_some() {
-                continue;
+        let mut bad = filter_indices(twin.len(), |h| !is_pair(h));
+        bad.retain(|&i| {
+            let h = i as u32;
+            let lone = || out(tail(h)).iter().filter(|&&g| head(g) == head(h)).count() == 1;
+            let boundary = twin[i] == Self::NONE && lone();
+            if boundary {
+                on_boundary[tail(h).index()] = true;
+                on_boundary[head(h).index()] = true;
             }
-            if twin[h] == Self::NONE {
-                on_boundary[tail(h as u32).index()] = true;
-                on_boundary[head(h as u32).index()] = true;
-            }
-        }
+            !boundary
+        });
+        let n_bad_edges = bad.len();
         for h in bad {
             twin[h] = Self::NONE;
         }

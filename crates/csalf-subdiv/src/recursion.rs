@@ -360,7 +360,9 @@ impl<'a> Recursion<'a> {
         let mut order = std::mem::take(&mut self.order);
         order.clear();
         for (k, split) in found.iter().enumerate() {
-            let glance = self.both(&contour, split, f64::INFINITY, &mut |r, child, _| r.glance(child));
+            // Not a finalist: no need to look at the second child.
+            let bar = if k < FINALISTS { f64::INFINITY } else { third(&order) };
+            let glance = self.both(&contour, split, bar, &mut |r, child, _| r.glance(child));
             order.push((glance, k as u32));
         }
         order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
@@ -485,6 +487,19 @@ impl<'a> Recursion<'a> {
             points: self.nodes.points[n_named as usize..].to_vec(),
         }
     }
+}
+
+/// The [`FINALISTS`]-th smallest of the glances.
+fn third(glances: &[(f64, u32)]) -> f64 {
+    let mut least = [f64::INFINITY; FINALISTS];
+    for &(mut g, _) in glances {
+        for l in &mut least {
+            if g < *l {
+                std::mem::swap(&mut g, l);
+            }
+        }
+    }
+    least[FINALISTS - 1]
 }
 
 fn load(into: &mut Contour, contour: &[u32], nodes: &Nodes) {

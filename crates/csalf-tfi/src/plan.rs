@@ -38,7 +38,7 @@ const COST_GAP: f64 = 0.8;
 /// Most interpretations that are matched with patterns.
 const MAX_INTERPRETATIONS: usize = 6;
 /// Most coarse trials.
-const MAX_TRIALS: usize = 5;
+const MAX_TRIALS: usize = 3;
 /// Most plans whose chords are improved by descent.
 const MAX_DESCENTS: usize = 8;
 /// A plan is not tried if a good one is better by this much in the forecast.

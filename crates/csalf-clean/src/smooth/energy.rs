@@ -38,6 +38,10 @@ pub(crate) struct Local {
     pub(crate) hessian: [f64; 3],
     /// Smallest D of the corners.
     pub(crate) min_d: f64,
+    /// One over the square of the smallest scaled Jacobian of the corners.
+    pub(crate) worst: f64,
+    /// How fast corners turn: the largest sum of 1 / length² over the edges of a corner that follow the vertex.
+    pub(crate) turn: f64,
 }
 
 /// One corner, in lengths of its target.
@@ -119,8 +123,13 @@ impl Feeling {
 /// f to the power of `weights.power` - 2.
 #[inline(always)]
 fn reduced_power(f: Lanes, weights: Weights) -> Lanes {
-    // The default is worth a branch: a call per lane else.
-    if weights.power == 4 { f * f } else { f.map(|f| f.powi(weights.power - 2)) }
+    // Those in use are worth a branch: a call per lane else.
+    let square = f * f;
+    match weights.power {
+        4 => square,
+        8 => square * square * square,
+        power => f.map(|f| f.powi(power - 2)),
+    }
 }
 
 /// Value and derivatives of the energy of the corners around free vertex `v`, were it at `at`. Meaningful
@@ -132,11 +141,16 @@ pub(crate) fn local(region: &Region, v: u32, at: Point2, weights: Weights) -> Lo
     let zero = Lanes::splat(0.0);
     let (mut value, mut gx, mut gy, mut hxx, mut hxy, mut hyy) = (zero, zero, zero, zero, zero, zero);
     let mut min_d = Lanes::splat(f64::INFINITY);
+    let (mut worst, mut turn) = (zero, zero);
     for &h in region.star(v) {
         let c = Feeling::new(region, at, h);
-        let (d, t) = (c.d(), c.t(c.lengths()));
+        let [l1, l2] = c.lengths();
+        let (d, t) = (c.d(), c.t([l1, l2]));
         let r = d.recip();
+        let inverse = l1 * l2 * (r * r);
+        worst = worst.max(inverse);
         let (x1, y1, x2, y2, f1, f2) = (c.x1, c.y1, c.x2, c.y2, c.f1, c.f2);
+        turn = turn.max((f1 * f1 * l2 + f2 * f2 * l1) * (l1 * l2).recip());
         let csc = 2.0 * c.csc;
         let (dtx, dty) = (
             csc * (f1 * (x1 - c.cos * x2) + f2 * (x2 - c.cos * x1)),
@@ -174,6 +188,8 @@ pub(crate) fn local(region: &Region, v: u32, at: Point2, weights: Weights) -> Lo
         gradient: n * Point2::new(gx.sum(), gy.sum()),
         hessian: [n * hxx.sum(), n * hxy.sum(), n * hyy.sum()],
         min_d: min_d.least(),
+        worst: worst.largest(),
+        turn: turn.largest(),
     }
 }
 

@@ -29,6 +29,17 @@ impl Lanes {
     pub(crate) fn min(self, o: Self) -> Self {
         self.zip(o, |a, b| if a < b { a } else { b })
     }
+    /// The larger of each pair; of a NaN in `self` the other.
+    #[inline(always)]
+    pub(crate) fn max(self, o: Self) -> Self {
+        self.zip(o, |a, b| if a > b { a } else { b })
+    }
+    #[inline(always)]
+    pub(crate) fn largest(self) -> f64 {
+        let [a, b, c, d] = self.0;
+        let max = |x: f64, y: f64| if x > y { x } else { y };
+        max(max(a, c), max(b, d))
+    }
     #[inline(always)]
     pub(crate) fn sum(self) -> f64 {
         let [a, b, c, d] = self.0;

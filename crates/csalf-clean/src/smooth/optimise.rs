@@ -2,9 +2,11 @@
 //!
 //! 1. Newton step on the energy of the corners around the vertex ([`energy::local`]; convex, so the step is a
 //!    descent).
-//! 2. Halve it until all corners are positive, the energy falls (Armijo) and no corner falls below both the
+//! 2. A short step that cannot bring a corner below the floor is made as it is: the edges of a corner turn by at most
+//!    asin(step / length) each.
+//! 3. Halve any other until all corners are positive, the energy falls (Armijo) and no corner falls below both the
 //!    floor and the worst one before.
-//! 3. If no step does that, stay.
+//! 4. If no step does that, stay.
 //!
 //! Guarantees: positive corners stay positive; the smallest scaled Jacobian of the region does not fall, if
 //! the floor is not below it. Cost about 0.2 us per visit. Source: handbook 7.3 (b) and 7.4.
@@ -17,6 +19,10 @@ use csalf_geom::Point2;
 
 /// Share of the predicted decrease that a step must bring (Armijo). Larger: shorter steps; 0: any decrease.
 const ARMIJO: f64 = 1e-4;
+
+/// A step that turns the edges of a corner by less than this (radians, in sum) is short: the energy is nearly its
+/// quadratic model there, and Newton's step lowers it. Larger: fewer trials, and steps that may miss.
+const SHORT_TURN: f64 = 0.15;
 
 /// Most halvings of a step. More find smaller moves that are not worth their cost.
 const HALVINGS: usize = 5;
@@ -37,6 +43,12 @@ pub(crate) fn step(region: &Region, v: u32, weights: Weights, floor: f64, short:
     let inverse = region.inverse[(region.star(v)[0] / 4) as usize][0];
     if !(slope < 0.0 && p.is_finite() && p.length() * inverse > short) {
         return old;
+    }
+    // asin x + asin y <= 1.02 sqrt(2 (x² + y²)) for x² + y² <= SHORT_TURN², and the sine of an angle changes by no more than
+    // the angle.
+    let turned = 1.02 * (2.0 * e.turn).sqrt() * p.length();
+    if turned < SHORT_TURN && (1.0 / e.worst).sqrt() - turned >= floor.sqrt() {
+        return old + p;
     }
     let mut before = None;
     let mut alpha = 1.0;

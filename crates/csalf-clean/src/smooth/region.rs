@@ -180,7 +180,12 @@ impl Region {
             scratch.quad[q as usize] = NONE;
         }
         let points = vertices.iter().map(|&v| mesh.points[v as usize]).collect();
-        let angle = vertices.iter().map(|&v| target_angle(mesh, topology, VertexId(v))).collect();
+        let target = |&v: &u32| target_angle(mesh, topology, VertexId(v));
+        let angle = if vertices.len() < PARALLEL_FROM {
+            vertices.iter().map(target).collect()
+        } else {
+            vertices.par_iter().with_min_len(1024).map(target).collect()
+        };
         let mut out = Self {
             n_free: free.len(),
             vertices,
@@ -277,9 +282,13 @@ impl Region {
 
     /// Smallest scaled Jacobian of the quads of the region.
     pub(crate) fn min_scaled(&self) -> f64 {
-        (0..self.quads.len())
-            .map(|q| Corners::new(&self.corners(q)).min_scaled())
-            .fold(f64::INFINITY, f64::min)
+        let n = self.quads.len();
+        let of = |q: usize| Corners::new(&self.corners(q)).min_scaled();
+        if n < PARALLEL_FROM {
+            return (0..n).map(of).fold(f64::INFINITY, f64::min);
+        }
+        let parts = (0..n).into_par_iter().with_min_len(1024);
+        parts.map(of).reduce(|| f64::INFINITY, f64::min)
     }
 
     /// Greedy colouring in the order of the local ids. A vertex that finds no colour among 64 (valence over

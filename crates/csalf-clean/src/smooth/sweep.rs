@@ -34,27 +34,31 @@ impl Sweeps {
         self.now += 1;
         let mut n_moved = 0;
         let colours = std::mem::take(&mut region.colours);
-        let mut goals: Vec<Point2> = Vec::new();
+        let mut goals: Vec<(Point2, bool)> = Vec::new();
         for list in &colours {
             if list.len() < PARALLEL_FROM {
                 for &v in list {
                     if self.is_open(region, v) {
                         let goal = step(region, v);
-                        n_moved += usize::from(self.place(region, v, goal));
+                        let noticed = self.is_noticed(region, v, goal);
+                        n_moved += usize::from(self.place(region, v, goal, noticed));
                     }
                 }
             } else {
                 let (this, shared) = (&*self, &*region);
                 list.par_iter()
                     .with_min_len(512)
-                    .map(
-                        |&v| {
-                            if this.is_open(shared, v) { step(shared, v) } else { shared.points[v as usize] }
-                        },
-                    )
+                    .map(|&v| {
+                        if this.is_open(shared, v) {
+                            let goal = step(shared, v);
+                            (goal, this.is_noticed(shared, v, goal))
+                        } else {
+                            (shared.points[v as usize], false)
+                        }
+                    })
                     .collect_into_vec(&mut goals);
-                for (&v, &goal) in list.iter().zip(&goals) {
-                    n_moved += usize::from(self.place(region, v, goal));
+                for (&v, &(goal, noticed)) in list.iter().zip(&goals) {
+                    n_moved += usize::from(self.place(region, v, goal, noticed));
                 }
             }
         }
@@ -69,10 +73,14 @@ impl Sweeps {
         })
     }
 
-    fn place(&mut self, region: &mut Region, v: u32, goal: Point2) -> bool {
-        let old = std::mem::replace(&mut region.points[v as usize], goal);
+    /// True if that is a move worth telling the vertices around.
+    fn is_noticed(&self, region: &Region, v: u32, goal: Point2) -> bool {
         let inverse = region.inverse[(region.star(v)[0] / 4) as usize][0];
-        let noticed = old.distance(goal) * inverse > self.tolerance;
+        region.points[v as usize].distance(goal) * inverse > self.tolerance
+    }
+
+    fn place(&mut self, region: &mut Region, v: u32, goal: Point2, noticed: bool) -> bool {
+        region.points[v as usize] = goal;
         if noticed {
             self.moved_at[v as usize] = self.now;
         }
