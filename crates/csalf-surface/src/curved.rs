@@ -9,6 +9,7 @@ use crate::cut::{Bounds, cut_chart};
 use crate::face::{given_nodes, mesh, of_planar_piece};
 use crate::flatten::map::scales;
 use crate::flatten::{Flattened, extend, flatten};
+use crate::heal::heal;
 use crate::locate::{Anchor, Locator};
 use crate::patch::{Chart, NONE, Patch, components, next};
 use crate::quality::measure;
@@ -326,6 +327,8 @@ impl Face {
             if b.n_nonpositive > a.n_nonpositive || b.min_sj < a.min_sj.min(0.3) {
                 sheet = before;
             }
+            out.report.n_healed = heal(&mut sheet, &ground, options, nodes.len(), &mut out);
+            self.certify(input, &sheet)?;
         }
         let r = &mut out.report;
         r.n_charts = pieces.len();
@@ -334,7 +337,7 @@ impl Face {
         r.scale_range = pieces.iter().map(|p| p.map.verdict.scale_range).fold(1.0, f64::max);
         r.quality = measure(&sheet.points, &sheet.quads, |v| sheet.normals[v as usize]);
         r.quality.max_deviation = deviation(&sheet, &ground);
-        (out.points, out.quads, out.nodes) = (sheet.points, sheet.quads, nodes);
+        (out.points, out.normals, out.quads, out.nodes) = (sheet.points, sheet.normals, sheet.quads, nodes);
         Ok(out)
     }
 

@@ -120,6 +120,7 @@ fn planar(input: &FaceInput<'_>, frame: &Frame, options: &Options) -> Result<Fac
     points.extend(nodes.iter().map(|&v| facets.points[v as usize]));
     points.extend(meshed.mesh.points.iter().skip(nodes.len()).map(|&p| frame.lift(p)));
     let mut out = FaceMesh {
+        normals: vec![frame.normal; points.len()],
         points,
         quads: meshed.mesh.quads.iter().map(|q| q.map(|v| v.0)).collect(),
         nodes,

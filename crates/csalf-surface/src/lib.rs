@@ -17,6 +17,7 @@ mod cut;
 mod error;
 mod face;
 mod flatten;
+mod heal;
 mod input;
 mod locate;
 mod patch;

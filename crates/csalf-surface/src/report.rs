@@ -7,6 +7,8 @@ use glam::DVec3;
 pub struct FaceMesh {
     /// Positions in space. The first [`Self::nodes`] are the given ones, bit for bit.
     pub points: Vec<DVec3>,
+    /// Unit normals of the surface at them, outwards.
+    pub normals: Vec<DVec3>,
     /// Four vertices per quad, counter-clockwise seen from outside.
     pub quads: Vec<[u32; 4]>,
     /// Facet vertex of each of the first points: the nodes of the loops in the order given, then those of the scars,
@@ -58,6 +60,8 @@ pub struct FaceReport {
     pub scale_range: f64,
     /// Vertices for which the surface gave no usable point; they stay on their facet.
     pub n_unprojected: usize,
+    /// Places that were meshed again across seams.
+    pub n_healed: usize,
     /// Quality measured in space.
     pub quality: Quality3d,
     /// Per loop: layers asked, made, and why no more were made (empty if all were).
@@ -66,7 +70,8 @@ pub struct FaceReport {
     pub warnings: Vec<String>,
 }
 
-/// Quality of quads in space, with the normals of the surface at their corners. Of no quads: all 0.
+/// Quality of quads in space. Corner Jacobians are about the normal of the quad's mean plane, negative where it is
+/// turned over against the surface. Of no quads: all 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Quality3d {
     /// Smallest scaled Jacobian, -1 to 1.

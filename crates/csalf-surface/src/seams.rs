@@ -24,6 +24,7 @@ struct Chain {
     /// Integral of 1/h up to the start of each side, and in total.
     w: Vec<f64>,
     n: usize,
+    least: usize,
     charts: [u32; 2],
 }
 
@@ -50,6 +51,7 @@ pub(crate) fn place(
     n_real: &[usize],
 ) -> Result<Seams, FaceError> {
     let mut chains = chains(patch, cut, sizes, chart_of, &node_at);
+    relieve(patch, &mut chains, &node_at);
     balance(&mut chains, n_real)?;
     let mut out = Seams { node_at, ..Seams::default() };
     let mut id = n_given as u32;
@@ -135,10 +137,31 @@ fn chains(patch: &Patch, cut: &[bool], sizes: &[f64], chart_of: &[u32], node_at:
             let least = if patch.ends(at).1 == v { FEWEST.1 } else { FEWEST.0 };
             let n = (w[w.len() - 1].round() as usize).max(least);
             let charts = [chart_of[h as usize / 3], chart_of[patch.twin[h as usize] as usize / 3]];
-            out.push(Chain { sides, w, n, charts });
+            out.push(Chain { sides, w, n, least, charts });
         }
     }
     out
+}
+
+/// Allows a single segment where it cannot be taken for another: no other chain has the same ends, and they are not
+/// both given nodes.
+fn relieve(patch: &Patch, chains: &mut [Chain], node_at: &[u32]) {
+    let ends = |c: &Chain| {
+        let (a, b) = (patch.ends(c.sides[0]).0, patch.ends(c.sides[c.sides.len() - 1]).1);
+        (a.min(b), a.max(b))
+    };
+    let mut all: Vec<_> = chains.iter().map(ends).collect();
+    all.sort_unstable();
+    for c in chains {
+        let e = ends(c);
+        let i = all.partition_point(|x| *x < e);
+        let alone = all.get(i + 1) != Some(&e);
+        let given = node_at[e.0 as usize] != NONE && node_at[e.1 as usize] != NONE;
+        if alone && !given && e.0 != e.1 {
+            c.least = 1;
+            c.n = (c.w[c.w.len() - 1].round() as usize).max(1);
+        }
+    }
 }
 
 /// Changes counts by one until every chart has an even contour.
@@ -188,8 +211,7 @@ fn balance(chains: &mut [Chain], n_real: &[usize]) -> Result<(), FaceError> {
         };
         let c = &mut chains[k];
         let wanted = c.w[c.w.len() - 1];
-        let closed = c.n <= FEWEST.1;
-        if wanted > c.n as f64 || c.n <= FEWEST.0 || closed {
+        if wanted > c.n as f64 || c.n <= c.least {
             c.n += 1;
         } else {
             c.n -= 1;

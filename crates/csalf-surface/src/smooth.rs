@@ -135,9 +135,19 @@ impl Star {
     }
 }
 
+/// The area vectors of the quads round a vertex: steadier than the surface's normal where the mesh is coarse.
+fn mean_normal(sheet: &Sheet, around: &[u32]) -> DVec3 {
+    let area = |h: &u32| {
+        let [a, b, c, d] = sheet.quads[*h as usize / 4].map(|v| sheet.points[v as usize]);
+        (c - a).cross(d - b)
+    };
+    around.iter().map(area).sum()
+}
+
 /// Tries to better one vertex.
 fn step(sheet: &mut Sheet, ground: &Ground<'_>, around: &[u32], v: u32) -> bool {
-    let (origin, n) = (sheet.points[v as usize], sheet.normals[v as usize]);
+    let origin = sheet.points[v as usize];
+    let n = mean_normal(sheet, around).normalize_or(sheet.normals[v as usize]);
     let (a, b) = n.any_orthonormal_pair();
     // (a, b, n) must be right-handed.
     let b = if a.cross(b).dot(n) < 0.0 { -b } else { b };
