@@ -52,7 +52,8 @@ pub struct SmoothOptions {
     /// A vertex that moves less than this share of the wanted length is settled.
     pub tolerance: f64,
     /// A corner may lose scaled Jacobian down to this (but never below the smallest of the region before),
-    /// where the energy falls.
+    /// where the energy falls. Larger: better worst quads (0.6 to 0.8: 0.01 more in the smallest, 0.01 in the 1 %
+    /// quantile), lengths that follow the field a little less.
     pub floor: f64,
 }
 
@@ -66,7 +67,7 @@ impl SmoothOptions {
         lambda: 0.2,
         power: 4,
         tolerance: 4e-3,
-        floor: 0.6,
+        floor: 0.8,
     };
 }
 
