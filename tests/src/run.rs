@@ -70,10 +70,14 @@ pub struct Run {
 impl Run {
     /// How many contours were filled by the guaranteed fallback.
     pub fn n_fallbacks(&self) -> usize {
-        let warnings = self.meshed.report.warnings.iter();
-        let warned = warnings.filter(|w| matches!(w, Warning::Fallback { .. })).count();
         let members = self.meshed.report.members.iter();
-        warned.max(members.filter(|m| m.0 == "fallback").map(|m| m.1).sum())
+        members.filter(|m| m.0 == "fallback").map(|m| m.1).sum()
+    }
+
+    /// How many meshes were refused before this one.
+    pub fn n_retries(&self) -> usize {
+        let warnings = self.meshed.report.warnings.iter();
+        warnings.filter(|w| matches!(w, Warning::Retried { .. })).count()
     }
 
     /// Smallest scaled Jacobian over all corners.

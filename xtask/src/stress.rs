@@ -3,7 +3,8 @@
 //! 1. Workers take one seed after the other: job, mesh on one thread, verdict (`csalf_testkit::run`).
 //! 2. Every tenth domain is meshed with two threads as well: the bytes must be the same.
 //! 3. A failure is saved as a JSON job, with its seed in the name, to `target/stress`; `cargo xtask reduce` shrinks it.
-//! 4. The summary: failures by kind, the slowest, smallest scaled Jacobians, fallbacks.
+//! 4. The summary: failures by kind, the slowest, smallest scaled Jacobians (all; and of domains whose corners and gaps
+//!    allow better: `csalf_testkit::bound`), fallbacks, retries.
 //!
 //! Each worker notes its seed in `target/stress/running-K`, so that even an abort leaves a trace. A job that hangs
 //! ends the run.
@@ -25,6 +26,12 @@ const THREADS_EVERY: u64 = 10;
 
 /// After so many seconds a job is given up, and the run with it.
 const HANG: u64 = 150;
+
+/// Scaled Jacobians below this are poor.
+const POOR: f64 = 0.1;
+
+/// Percentiles of the smallest scaled Jacobian that are printed.
+const PERCENTILES: [usize; 9] = [0, 1, 5, 10, 25, 50, 75, 90, 100];
 
 /// Slowest jobs listed.
 const SLOWEST: usize = 5;
@@ -50,6 +57,12 @@ pub(crate) struct StressArgs {
     /// Workers; 0: as many as there are cores
     #[arg(long, default_value_t = 0)]
     threads: usize,
+    /// Save the jobs that did not fail, too
+    #[arg(long)]
+    keep: bool,
+    /// Print one line per domain: seed, quads, seconds, smallest scaled Jacobian, its bound, fallbacks, retries
+    #[arg(long)]
+    each: bool,
     /// Most quads that a job may ask for
     #[arg(long, default_value_t = 30_000.0)]
     most_quads: f64,
@@ -62,6 +75,9 @@ struct Done {
     n_quads: usize,
     n_fallbacks: usize,
     min_sj: f64,
+    /// What the input allows at most.
+    bound: f64,
+    n_retries: usize,
     failure: Option<String>,
 }
 
@@ -166,22 +182,65 @@ fn one(seed: u64, args: &StressArgs, recipe: &Recipe, folder: &Path) -> Done {
     let options = options_for(&args.method, seed, base).unwrap_or_default();
     let threads: &[usize] = if seed.is_multiple_of(THREADS_EVERY) { &[2] } else { &[] };
     let outcome = judge::run(&job, &options, threads);
-    let mut done = Done { seed, seconds: 0.0, n_quads: 0, n_fallbacks: 0, min_sj: 1.0, failure: None };
+    let mut done = Done {
+        seed,
+        seconds: 0.0,
+        n_quads: 0,
+        n_fallbacks: 0,
+        min_sj: 1.0,
+        bound: 1.0,
+        n_retries: 0,
+        failure: None,
+    };
+    let path = folder.join(format!("seed{seed}.json"));
+    if args.keep
+        && let Err(e) = save(&path, &job, &options)
+    {
+        say(&e);
+    }
     match outcome {
         Ok(run) => {
             done.seconds = run.seconds;
             done.n_quads = run.meshed.mesh.n_quads();
             done.n_fallbacks = run.n_fallbacks();
             done.min_sj = run.min_scaled_jacobian();
+            done.bound = csalf_testkit::bound::scaled_jacobian(&job);
+            done.n_retries = run.n_retries();
         }
         Err(failure) => {
-            let path = folder.join(format!("seed{seed}.json"));
             let saved = save(&path, &job, &options).err().unwrap_or_default();
             say(&format!("seed {seed} ({:?}): {failure} {saved}", options.method));
             done.failure = Some(failure.kind());
         }
     }
+    if args.each && done.failure.is_none() {
+        let Done { seconds, n_quads, n_fallbacks, n_retries, min_sj, bound, .. } = done;
+        say(&format!("{seed} {n_quads} {seconds:.2} {min_sj:.2e} {bound:.2e} {n_fallbacks} {n_retries}"));
+    }
     done
+}
+
+fn percent(n: usize, of: usize) -> f64 {
+    100.0 * n as f64 / of.max(1) as f64
+}
+
+/// Prints the distribution of the smallest scaled Jacobians.
+fn quality<'a>(what: &str, done: impl Iterator<Item = &'a Done>) {
+    let mut sj: Vec<(f64, u64)> = done.map(|d| (d.min_sj, d.seed)).collect();
+    sj.sort_by(|a, b| a.0.total_cmp(&b.0));
+    if sj.is_empty() {
+        return;
+    }
+    let at: Vec<_> = PERCENTILES.iter().map(|k| format!("{:.1e}", sj[k * (sj.len() - 1) / 100].0)).collect();
+    say(&format!(
+        "min scaled Jacobian, {what} ({}): percentiles {PERCENTILES:?}: {}",
+        sj.len(),
+        at.join(" ")
+    ));
+    let share = |x: f64| percent(sj.iter().filter(|s| s.0 < x).count(), sj.len());
+    say(&format!("  below 0.1: {:.1} %, below 0.01: {:.1} %", share(POOR), share(0.1 * POOR)));
+    let worst: Vec<_> = sj.iter().take(SLOWEST).map(|s| format!("{:.1e} (seed {})", s.0, s.1)).collect();
+    say(&format!("  worst: {}", worst.join(", ")));
 }
 
 fn summary(mut done: Vec<Done>, seconds: f64) -> Outcome {
@@ -193,19 +252,16 @@ fn summary(mut done: Vec<Done>, seconds: f64) -> Outcome {
         say(&format!("  {:6.2} s  {:7} quads  seed {}", d.seconds, d.n_quads, d.seed));
     }
     let good: Vec<&Done> = done.iter().filter(|d| d.failure.is_none()).collect();
-    let mut sj: Vec<(f64, u64)> = good.iter().map(|d| (d.min_sj, d.seed)).collect();
-    sj.sort_by(|a, b| a.0.total_cmp(&b.0));
-    if !sj.is_empty() {
-        let deciles: Vec<_> = (0..=10).map(|k| format!("{:.3}", sj[k * (sj.len() - 1) / 10].0)).collect();
-        say(&format!("min scaled Jacobian, deciles: {}", deciles.join(" ")));
-        let share = |x: f64| 100.0 * sj.iter().filter(|s| s.0 < x).count() as f64 / sj.len() as f64;
-        say(&format!("  below 0.1: {:.1} %, below 0.01: {:.1} %", share(0.1), share(0.01)));
-        let worst: Vec<_> = sj.iter().take(SLOWEST).map(|s| format!("{:.1e} (seed {})", s.0, s.1)).collect();
-        say(&format!("  worst: {}", worst.join(", ")));
-    }
-    let with = good.iter().filter(|d| d.n_fallbacks > 0).count();
-    let total: usize = good.iter().map(|d| d.n_fallbacks).sum();
-    say(&format!("fallbacks: {total} in {with} domains"));
+    quality("all", good.iter().copied());
+    // Corners and gaps of the input allow more than 0.1 on these.
+    quality("not bounded by the input", good.iter().copied().filter(|d| d.bound >= POOR));
+    let ratios = good.iter().map(|d| d.min_sj / d.bound).filter(|r| *r < 0.1).count();
+    say(&format!("  below a tenth of what the input allows: {:.1} %", percent(ratios, good.len())));
+    let fallbacks: Vec<usize> = good.iter().map(|d| d.n_fallbacks).filter(|&n| n > 0).collect();
+    say(&format!("fallbacks: {} in {} domains", fallbacks.iter().sum::<usize>(), fallbacks.len()));
+    let retried = good.iter().filter(|d| d.n_retries > 0);
+    let seeds: Vec<u64> = retried.map(|d| d.seed).collect();
+    say(&format!("meshed again: {} domains {:?}", seeds.len(), &seeds[..seeds.len().min(12)]));
     let mut kinds: BTreeMap<&str, Vec<u64>> = BTreeMap::new();
     for d in &done {
         if let Some(kind) = &d.failure {

@@ -4,8 +4,9 @@
 //!   quads of rings and patches ──repair, smooth──▶ irregular vertices? ──cavities──▶ smooth ──▶ mesh
 //! ```
 
+use crate::mend::{MendReport, MendTask, mend};
 use crate::{Method, Options, Preset};
-use csalf_clean::smooth::SmoothOptions;
+use csalf_clean::smooth::{SmoothOptions, smooth};
 use csalf_clean::{CavityRules, CavityTask, REMOVED, finish, refill_cavities, repair};
 use csalf_geom::VertexId;
 use csalf_geom::arrangement::Arrangement;
@@ -36,17 +37,37 @@ fn polish_threshold(mesh: &QuadMesh) -> f64 {
     *below.select_nth_unstable_by(most, f64::total_cmp).1
 }
 
-/// Cleans and smooths the mesh; returns its topology. `fixed` (per vertex) must not move, `protected` (per
-/// quad) must stay. The sets follow the new numbers.
+/// The last but one, for the few quads that are still poor, until nothing moves any more: a thin quad gains about a factor
+/// of two per sweep. No floor: energy alone decides, else two thin quads side by side hold each other fast.
+const RESCUE: SmoothOptions = SmoothOptions {
+    threshold: 0.3,
+    rings: 3,
+    laplace_sweeps: 0,
+    sweeps: 100,
+    lambda: 0.05,
+    tolerance: 1e-3,
+    floor: 0.0,
+    ..SmoothOptions::DEFAULT
+};
+
+/// What cleaning reads.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CleanTask<'a> {
+    pub(crate) arrangement: &'a Arrangement,
+    pub(crate) size: &'a dyn SizeField,
+    pub(crate) options: &'a Options,
+}
+
+/// Cleans and smooths the mesh; returns its topology and what had to be mended. `fixed` (per vertex) must not move,
+/// `protected` (per quad) must stay. The sets follow the new numbers.
 pub(crate) fn clean(
     mesh: &mut QuadMesh,
     mut fixed: Vec<bool>,
     mut protected: Vec<bool>,
     sets: &mut NamedSets,
-    arrangement: &Arrangement,
-    size: &dyn SizeField,
-    options: &Options,
-) -> QuadTopology {
+    task: &CleanTask<'_>,
+) -> (QuadTopology, MendReport) {
+    let CleanTask { arrangement, size, options } = *task;
     let quality = options.method == Method::Csalf && options.preset == Preset::Quality;
     // What cavities change is smoothed again.
     let smoothing =
@@ -54,36 +75,49 @@ pub(crate) fn clean(
     let scars = arrangement.scars.iter();
     let kept: Vec<[VertexId; 2]> =
         scars.flat_map(|s| s.windows(2).map(|w| [VertexId(w[0]), VertexId(w[1])])).collect();
-    let (repaired, topology) = repair(mesh, &mut fixed, &mut protected, &kept, size, &smoothing);
+    let (repaired, mut topology) = repair(mesh, &mut fixed, &mut protected, &kept, size, &smoothing);
     renumber(sets, &repaired.quads);
-    if !quality {
-        return topology;
+    let n_input = arrangement.points.len();
+    let mending = MendTask { n_input, kept: &kept, size, tolerance: arrangement.tolerance };
+    let mut mended = mend(mesh, &mut topology, &mut fixed, &mut protected, sets, &mending);
+    if mended.n_holes > 0 {
+        finish(mesh, &topology, &fixed, size, &smoothing);
     }
-    let task = CavityTask {
-        fixed: &fixed,
-        protected: &protected,
-        kept: &kept,
-        size,
-        mesher: &Transfinite::new(TfiRules::default()),
-        tolerance: arrangement.tolerance,
-        rules: CavityRules::default(),
-    };
-    let cleaned = refill_cavities(mesh, &topology, &task);
-    tracing::info!(seeds = cleaned.n_seeds, tried = cleaned.tried, taken = cleaned.taken, small = cleaned.small, rejected = ?cleaned.rejected,
-        "cavities");
-    renumber(sets, &cleaned.quads);
-    let mut still = vec![false; mesh.n_vertices()];
-    for v in (0..fixed.len()).filter(|&v| fixed[v]) {
-        // Fixed vertices are never removed.
-        if let Some(s) = still.get_mut(cleaned.vertices.get(v).map_or(v, |&w| w as usize)) {
-            *s = true;
+    if quality {
+        let task = CavityTask {
+            fixed: &fixed,
+            protected: &protected,
+            kept: &kept,
+            size,
+            mesher: &Transfinite::new(TfiRules::default()),
+            tolerance: arrangement.tolerance,
+            rules: CavityRules::default(),
+        };
+        let cleaned = refill_cavities(mesh, &topology, &task);
+        tracing::info!(seeds = cleaned.n_seeds, tried = cleaned.tried, taken = cleaned.taken, small = cleaned.small, rejected = ?cleaned.rejected,
+            "cavities");
+        renumber(sets, &cleaned.quads);
+        let mut still = vec![false; mesh.n_vertices()];
+        for v in (0..fixed.len()).filter(|&v| fixed[v]) {
+            // Fixed vertices are never removed.
+            if let Some(s) = still.get_mut(cleaned.vertices.get(v).map_or(v, |&w| w as usize)) {
+                *s = true;
+            }
         }
+        fixed = still;
+        if cleaned.taken > 0 {
+            topology = QuadTopology::new(mesh.n_vertices(), &mesh.quads);
+        }
+        smooth(mesh, &topology, &fixed, size, &RESCUE);
+        let threshold = polish_threshold(mesh);
+        finish(mesh, &topology, &fixed, size, &SmoothOptions { threshold, ..POLISH });
+    } else {
+        smooth(mesh, &topology, &fixed, size, &RESCUE);
     }
-    let topology =
-        if cleaned.taken == 0 { topology } else { QuadTopology::new(mesh.n_vertices(), &mesh.quads) };
-    let threshold = polish_threshold(mesh);
-    finish(mesh, &topology, &still, size, &SmoothOptions { threshold, ..POLISH });
-    topology
+    // Whatever smoothing made flat or brought together. Layers lose their protection, whose numbers are not known here.
+    let last = mend(mesh, &mut topology, &mut fixed, &mut Vec::new(), sets, &mending);
+    mended.add(&last);
+    (topology, mended)
 }
 
 /// Follows new numbers of quads, if there are any; removed ones leave their sets.

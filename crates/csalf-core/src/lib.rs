@@ -1,9 +1,11 @@
 //! Layer 4 of csalf: the pipeline. [`mesh`] takes a [`Job`] and [`Options`] and returns a [`Meshed`] or a typed
 //! [`MeshError`]; everything below it is used through here.
 
+mod certify;
 mod cleaning;
 pub mod error;
 pub mod job;
+mod mend;
 pub mod options;
 mod pipeline;
 mod region;

@@ -6,16 +6,16 @@
 //!   Meshed ◀─certify─ smooth ◀──collect── quads of rings and patches ◀────────────┘
 //! ```
 
-use crate::cleaning::clean;
+use crate::certify::certify;
+use crate::cleaning::{CleanTask, clean};
 use crate::region::{Curves, LayerRules, RegionResult, mesh_region};
-use crate::triad::{Filled, Triad};
-use crate::{Job, MeshError, MeshReport, Meshed, Method, Options, Preset, Warning, Watch};
+use crate::triad::{FALLBACK, Filled, Triad};
+use crate::{Job, LoopReport, MeshError, MeshReport, Meshed, Method, Options, Preset, Warning, Watch};
 use csalf_geom::arrangement::{Arrangement, CheckOptions};
 use csalf_geom::{Point2, QuadId, VertexId};
-use csalf_mesh::validate;
 use csalf_mesh::{NamedSets, QuadMesh, QuadTopology, RegionMesher};
-use csalf_pave::{LoopPaver, PavingRules};
-use csalf_sizemap::{Extras, SizeField};
+use csalf_pave::{LayerSpec, LoopPaver, PavingRules};
+use csalf_sizemap::{Extras, SizeField, SizeSpec};
 use csalf_subdiv::fallback::Fallback;
 use csalf_subdiv::{SplitRules, Subdivision};
 use csalf_tfi::{TfiRules, Transfinite};
@@ -72,16 +72,28 @@ pub(crate) fn run(job: &Job, options: &Options, watch: &dyn Watch) -> Result<Mes
     }
 }
 
+/// One way to mesh a job.
+#[derive(Clone, Debug)]
+struct Attempt {
+    options: Options,
+    /// Small contours may be closed by quads that are to be untangled.
+    loose: bool,
+    /// The mesh is repaired and smoothed.
+    clean: bool,
+}
+
 /// Meshes with the options as given. If the certificate refuses the result (a defect of ours, on a domain at the limits
-/// of floating-point numbers), again without cavities, then by subdivision alone; the report says so.
+/// of floating-point numbers), again by ever simpler means; the report says so. The last one, subdivision with convex
+/// quads only and neither layers nor smoothing, has nothing that could fail but the resolution of the numbers.
 fn run_here(job: &Job, options: &Options, watch: &dyn Watch) -> Result<Meshed, MeshError> {
-    let mut attempts = vec![options.clone()];
-    if (options.method, options.preset) == (Method::Csalf, Preset::Quality) {
-        attempts.push(Options { preset: Preset::Fast, ..options.clone() });
-    }
+    let attempt = |options: &Options, loose, clean| Attempt { options: options.clone(), loose, clean };
+    let fast = Options { preset: Preset::Fast, ..options.clone() };
+    let tqm = Options { method: Method::Tqm, ..fast.clone() };
+    let mut attempts = vec![attempt(options, true, true), attempt(&fast, false, true)];
     if options.method != Method::Tqm {
-        attempts.push(Options { method: Method::Tqm, ..options.clone() });
+        attempts.push(attempt(&tqm, false, true));
     }
+    attempts.push(attempt(&tqm, false, false));
     let mut refused = Vec::new();
     for attempt in &attempts {
         match mesh_once(job, attempt, watch) {
@@ -90,6 +102,9 @@ fn run_here(job: &Job, options: &Options, watch: &dyn Watch) -> Result<Meshed, M
             Ok(mut meshed) => {
                 let retried = |e: &MeshError| Warning::Retried { reason: e.to_string() };
                 meshed.report.warnings.extend(refused.iter().map(retried));
+                if attempt.options.method != options.method {
+                    meshed.report.loops = layers_given_up(job);
+                }
                 return Ok(meshed);
             }
             error => return error,
@@ -98,7 +113,18 @@ fn run_here(job: &Job, options: &Options, watch: &dyn Watch) -> Result<Meshed, M
     Err(refused.swap_remove(0))
 }
 
-fn mesh_once(job: &Job, options: &Options, watch: &dyn Watch) -> Result<Meshed, MeshError> {
+/// What the report says of loops for which layers were asked, where a mesh could be made only without them.
+fn layers_given_up(job: &Job) -> Vec<LoopReport> {
+    let report = |(name, asked): (&str, Option<&LayerSpec>)| {
+        let spec = asked.filter(|spec| spec.count > 0)?;
+        let stopped = "no valid mesh could be made with layers".to_owned();
+        Some(LoopReport { name: name.to_owned(), asked: spec.count, stopped, ..LoopReport::default() })
+    };
+    Curves::asked_of(job).into_iter().filter_map(report).collect()
+}
+
+fn mesh_once(job: &Job, attempt: &Attempt, watch: &dyn Watch) -> Result<Meshed, MeshError> {
+    let options = &attempt.options;
     let mut stages = Stopwatch::new(watch);
     let mut report = MeshReport::default();
 
@@ -110,7 +136,7 @@ fn mesh_once(job: &Job, options: &Options, watch: &dyn Watch) -> Result<Meshed, 
     let size = size_field(job, options, &arrangement)?;
 
     stages.begin("fill")?;
-    let members = members(options);
+    let members = members(attempt);
     let triad = Triad::new(&members, arrangement.tolerance, arrangement.points.len() as u32).watched(watch);
     let curves = Curves::new(job, &arrangement);
     let layer_rules = layer_rules(options);
@@ -119,7 +145,6 @@ fn mesh_once(job: &Job, options: &Options, watch: &dyn Watch) -> Result<Meshed, 
         .par_iter()
         .map(|region| mesh_region(region, &arrangement, &curves, layer_rules, size.as_ref(), &triad))
         .collect::<Result<_, MeshError>>()?;
-    report.members = triad.tally();
 
     stages.begin("collect")?;
     let mut sets = sets(job, &arrangement);
@@ -128,15 +153,45 @@ fn mesh_once(job: &Job, options: &Options, watch: &dyn Watch) -> Result<Meshed, 
     let protected = collect(results, &triad, &curves, &mut mesh, &mut fixed, &mut sets, &mut report);
 
     stages.begin("clean")?;
-    let topology = clean(&mut mesh, fixed, protected, &mut sets, &arrangement, size.as_ref(), options);
+    let topology = if attempt.clean {
+        let made: Vec<usize> = sets.quads.iter().map(|s| s.1.len()).collect();
+        let task = CleanTask { arrangement: &arrangement, size: size.as_ref(), options };
+        let (topology, mended) = clean(&mut mesh, fixed, protected, &mut sets, &task);
+        count_fallbacks(&mut report, mended.n_fallbacks);
+        if mended.n_holes > 0 {
+            layers_cut_into(&mut report, &made, &sets);
+        }
+        topology
+    } else {
+        QuadTopology::new(mesh.n_vertices(), &mesh.quads)
+    };
 
     stages.begin("certify")?;
-    certify(&mesh, &topology, &arrangement)?;
+    certify(&mesh, &topology, &arrangement, !attempt.clean)?;
     stages.end();
 
     report.timing.wall_s = stages.start.elapsed().as_secs_f64();
     report.timing.stages = stages.stages;
     Ok(Meshed { sets, mesh, report })
+}
+
+/// Adds to the number of contours that the guaranteed fallback filled.
+fn count_fallbacks(report: &mut MeshReport, n: usize) {
+    report.members.iter_mut().filter(|m| m.0 == FALLBACK).for_each(|m| m.1 += n);
+}
+
+/// Lowers the number of layers that were made, where mending took quads of them. `made`: sizes of the quad sets before.
+fn layers_cut_into(report: &mut MeshReport, made: &[usize], sets: &NamedSets) {
+    for (_, (name, _)) in made.iter().zip(&sets.quads).filter(|(n, s)| **n > s.1.len()) {
+        let Some((curve, Ok(layer))) = name.rsplit_once("_layer").map(|(c, l)| (c, l.parse::<usize>()))
+        else {
+            continue;
+        };
+        for l in report.loops.iter_mut().filter(|l| l.name == curve && l.made >= layer) {
+            l.made = layer.saturating_sub(1);
+            l.stopped = "cut into where quads had to be made convex".to_owned();
+        }
+    }
 }
 
 fn size_field(
@@ -152,12 +207,17 @@ fn size_field(
     let hard: Vec<(Point2, f64)> =
         job.domain.points.iter().filter_map(|p| p.size.map(|h| (p.xy, h))).collect();
     let extras = Extras { hard_points: &hard, gradation: options.gradation };
-    Ok(csalf_sizemap::build(&job.size, &loops, &extras, arrangement.tolerance)?)
+    let field = csalf_sizemap::build(&job.size, &loops, &extras, arrangement.tolerance)?;
+    match job.size {
+        SizeSpec::Boundary => Ok(field),
+        _ => Ok(csalf_sizemap::near_coarse(field, &loops)?),
+    }
 }
 
 /// The members of the triad for a method, in the order in which they are asked. Subdivision asks its companions before
 /// every split, in the same order; the paper's order is transfinite interpolation, loop-paving, subdivision.
-fn members(options: &Options) -> Vec<Arc<dyn RegionMesher>> {
+fn members(attempt: &Attempt) -> Vec<Arc<dyn RegionMesher>> {
+    let options = &attempt.options;
     let (rules, companions): (SplitRules, Vec<Arc<dyn RegionMesher>>) = match (options.method, options.preset)
     {
         (Method::Tqm, _) => (SplitRules::QUALITY, Vec::new()),
@@ -173,105 +233,10 @@ fn members(options: &Options) -> Vec<Arc<dyn RegionMesher>> {
         }
     };
     let mut out = companions.clone();
-    out.push(Arc::new(companions.into_iter().fold(Subdivision::new(rules), Subdivision::with_companion)));
+    let subdivision = companions.into_iter().fold(Subdivision::new(rules), Subdivision::with_companion);
+    out.push(Arc::new(subdivision.loose(attempt.loose)));
     out.push(Arc::new(Fallback));
     out
-}
-
-/// Quads, or sides, that one task of the certificate looks at.
-const CHUNK: usize = 1 << 14;
-
-/// The certificate that every mesh carries: strictly convex quads by exact predicates, conforming, the given boundary
-/// and nothing else, the area of the domain (together these exclude overlaps and gaps), scars and hard points kept.
-fn certify(mesh: &QuadMesh, topology: &QuadTopology, arrangement: &Arrangement) -> Result<(), MeshError> {
-    let fail = |detail: String| Err(MeshError::Internal { stage: "certify", detail });
-    let bad = mesh
-        .quads
-        .par_chunks(CHUNK)
-        .enumerate()
-        .filter_map(|(c, quads)| validate::certify(&mesh.points, quads).map(|q| c * CHUNK + q))
-        .min();
-    if let Some(q) = bad {
-        return fail(format!("quad {q} at {:?} is not convex", mesh.corners(QuadId::new(q))[0]));
-    }
-    // Vertices of one element that are one point by the tolerance of the input.
-    let merge = arrangement.tolerance.merge();
-    let shortest = mesh.quads.par_iter().with_min_len(CHUNK).map(|q| {
-        let p = q.map(|v| mesh.points[v.index()]);
-        (0..4).map(|k| p[k].distance_squared(p[(k + 1) & 3])).fold(p[0].distance_squared(p[2]), f64::min)
-    });
-    if let Some(l) = shortest.min_by(f64::total_cmp)
-        && l.sqrt() <= merge
-    {
-        return fail(format!("two vertices of a quad are {:e} apart", l.sqrt()));
-    }
-    if topology.n_bad_edges > 0 {
-        return fail(format!("{} edges do not conform", topology.n_bad_edges));
-    }
-    certify_curves(mesh, topology, arrangement)?;
-    // About a point of the domain, so that the digits are kept far from the origin.
-    let o = mesh.points.first().copied().unwrap_or_default();
-    let twice = |a: VertexId, b: VertexId, c: VertexId, d: VertexId| {
-        let p = |v: VertexId| mesh.points[v.index()] - o;
-        (p(c) - p(a)).perp_dot(p(d) - p(b))
-    };
-    // Chunk by chunk, so that the sum does not depend on the number of threads.
-    let chunk = |quads: &[[VertexId; 4]]| quads.iter().map(|q| twice(q[0], q[1], q[2], q[3])).sum::<f64>();
-    let quads: f64 = mesh.quads.par_chunks(CHUNK).map(chunk).collect::<Vec<_>>().iter().sum();
-    let triangles: f64 = mesh.triangles.iter().map(|t| twice(t[0], t[1], t[2], t[0])).sum();
-    let area = 0.5 * (quads + triangles);
-    if (area - arrangement.area).abs() > validate::AREA_TOLERANCE * arrangement.area {
-        return fail(format!("the area is {area}, that of the domain {}", arrangement.area));
-    }
-    Ok(())
-}
-
-/// The part of [`certify`] that looks at curves: the edges used once are exactly the given segments, in direction;
-/// every scar segment is an edge; every hard point is used.
-fn certify_curves(
-    mesh: &QuadMesh,
-    topology: &QuadTopology,
-    arrangement: &Arrangement,
-) -> Result<(), MeshError> {
-    let fail = |detail: String| Err(MeshError::Internal { stage: "certify", detail });
-    let mut next = vec![None; arrangement.points.len()];
-    for l in &arrangement.loops {
-        for (i, &v) in l.iter().enumerate() {
-            next[v as usize] = Some(VertexId(l[(i + 1) % l.len()]));
-        }
-    }
-    let given = |a: VertexId, b: VertexId| next.get(a.index()).is_some_and(|&n| n == Some(b));
-    let ends = |h: usize| (mesh.quads[h / 4][h & 3], mesh.quads[h / 4][(h + 1) & 3]);
-    let sides = || mesh.triangles.iter().flat_map(|t| (0..3).map(|k| (t[k], t[(k + 1) % 3])));
-    let mut n_given = sides().filter(|&(a, b)| given(a, b)).count();
-    let open = topology.twin.par_iter().with_min_len(CHUNK).enumerate();
-    let open: Vec<usize> = open.filter(|&(_, &t)| t == QuadTopology::NONE).map(|(h, _)| h).collect();
-    for (a, b) in open.into_iter().map(ends) {
-        if given(a, b) {
-            n_given += 1;
-        } else if !sides().any(|side| side == (b, a)) {
-            return fail(format!(
-                "edge {a} {b} is on the boundary of the mesh and not on that of the domain"
-            ));
-        }
-    }
-    let n_segments = arrangement.loops.iter().map(Vec::len).sum::<usize>();
-    if n_given != n_segments {
-        return fail(format!("{n_given} of {n_segments} boundary segments are edges"));
-    }
-    let is_edge = |a: VertexId, b: VertexId| topology.star(a).iter().any(|&h| ends(h as usize).1 == b);
-    for s in arrangement.scars.iter().flat_map(|s| s.windows(2)) {
-        let (a, b) = (VertexId(s[0]), VertexId(s[1]));
-        if !is_edge(a, b) && !is_edge(b, a) && !sides().any(|side| side == (a, b) || side == (b, a)) {
-            return fail(format!("scar segment {a} {b} is not an edge"));
-        }
-    }
-    for v in arrangement.hard_points.iter().map(|&v| VertexId(v)) {
-        if topology.n_quads_at(v) == 0 && !sides().any(|side| side.0 == v) {
-            return fail(format!("hard point {v} is not used"));
-        }
-    }
-    Ok(())
 }
 
 /// Which layers a method makes; `None` for none at all.
@@ -309,6 +274,7 @@ fn collect(
         triangles.extend(r.triangles);
         trees.extend(r.trees);
     }
+    report.members = triad.tally(&trees);
     let (quads, number) = Filled::collect(&trees, &mut mesh.points, triad.id_bound());
     mesh.quads = quads;
     mesh.triangles = triangles.iter().map(|t| t.map(|v| VertexId(number[v as usize]))).collect();

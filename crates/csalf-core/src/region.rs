@@ -39,20 +39,17 @@ impl<'a> Curves<'a> {
                 *slot = (*slot).min(k as u32);
             }
         }
-        let names: Vec<&str> = d
-            .loops
-            .iter()
-            .map(|l| l.name.as_str())
-            .chain(d.scars.iter().map(|s| s.name.as_str()))
-            .chain(d.points.iter().map(|p| p.name.as_str()))
-            .collect();
-        let asked = names
-            .iter()
-            .map(|name| {
-                job.layers.iter().rev().find(|(pattern, _)| matches(pattern, name)).map(|(_, spec)| spec)
-            })
-            .collect();
+        let (names, asked) = Self::asked_of(job).into_iter().unzip();
         Self { of_node, names, n_loops: d.loops.len(), asked }
+    }
+
+    /// Loops, scars and points by name, each with the layers that are asked for: the last pattern that fits decides.
+    pub(crate) fn asked_of(job: &'a Job) -> Vec<(&'a str, Option<&'a LayerSpec>)> {
+        let d = &job.domain;
+        let names = d.loops.iter().map(|l| l.name.as_str()).chain(d.scars.iter().map(|s| s.name.as_str()));
+        let asked = |name: &str| job.layers.iter().rev().find(|(pattern, _)| matches(pattern, name));
+        let names = names.chain(d.points.iter().map(|p| p.name.as_str()));
+        names.map(|name| (name, asked(name).map(|(_, spec)| spec))).collect()
     }
 
     /// The curve that a walk is named after: the loop it runs along, else the scar, else the point.

@@ -16,7 +16,10 @@ use csalf_mesh::{Contour, NodeFlags, Patch, RegionMesher, RegionTask};
 use csalf_sizemap::{Hint, SizeField};
 use rayon::prelude::*;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU32, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicU32, Ordering};
+
+/// Name of the guaranteed fallback.
+pub(crate) const FALLBACK: &str = "fallback";
 
 /// Contours smaller than this are not worth a task of their own.
 const PARALLEL_MIN: usize = 64;
@@ -26,7 +29,6 @@ pub struct Triad<'a> {
     members: &'a [Arc<dyn RegionMesher>],
     tolerance: Tolerance,
     next_id: AtomicU32,
-    taken: Vec<AtomicUsize>,
     watch: &'a dyn Watch,
 }
 
@@ -43,6 +45,10 @@ pub struct Filled {
     points: Vec<Point2>,
     quads: Vec<[u32; 4]>,
     children: Vec<Self>,
+    /// Who took the contour; `None` for a result made elsewhere.
+    member: Option<usize>,
+    /// Contours that the guaranteed fallback filled in this step.
+    n_fallbacks: usize,
 }
 
 /// No member took a contour.
@@ -61,13 +67,7 @@ impl<'a> Triad<'a> {
     /// A triad of the given members; the last one should be the guaranteed fallback. New points are numbered from
     /// `first_id` on, above all ids in the contours that will be given to [`Self::fill`].
     pub fn new(members: &'a [Arc<dyn RegionMesher>], tolerance: Tolerance, first_id: u32) -> Self {
-        Self {
-            members,
-            tolerance,
-            next_id: AtomicU32::new(first_id),
-            taken: members.iter().map(|_| AtomicUsize::new(0)).collect(),
-            watch: &(),
-        }
+        Self { members, tolerance, next_id: AtomicU32::new(first_id), watch: &() }
     }
 
     /// The same, giving up all contours once `watch` is cancelled.
@@ -75,9 +75,21 @@ impl<'a> Triad<'a> {
         Self { watch, ..self }
     }
 
-    /// How many contours each member took so far.
-    pub fn tally(&self) -> Vec<(&'static str, usize)> {
-        self.members.iter().zip(&self.taken).map(|(m, n)| (m.name(), n.load(Ordering::Relaxed))).collect()
+    /// How many contours each member took in these trees; last, under the name "fallback", how many the guaranteed
+    /// fallback filled, asked by the triad or within the step of another member.
+    pub fn tally(&self, trees: &[Filled]) -> Vec<(&'static str, usize)> {
+        let mut taken = vec![0; self.members.len()];
+        let mut n_fallbacks = 0;
+        let mut stack: Vec<&Filled> = trees.iter().collect();
+        while let Some(f) = stack.pop() {
+            if let Some(n) = f.member.and_then(|m| taken.get_mut(m)) {
+                *n += 1;
+            }
+            n_fallbacks += f.n_fallbacks;
+            stack.extend(&f.children);
+        }
+        let members = self.members.iter().map(|m| m.name()).zip(taken).filter(|m| m.0 != FALLBACK);
+        members.chain([(FALLBACK, n_fallbacks)]).collect()
     }
 
     /// Reserves ids for `n` points made elsewhere (bridges, layers).
@@ -98,17 +110,14 @@ impl<'a> Triad<'a> {
         // Meshers see ids that do not depend on the order in which the threads took theirs: the first occurrence.
         let shown = Contour { ids: contour.first_occurrences(), ..contour.clone() };
         let task = RegionTask { contour: &shown, size, tolerance: self.tolerance };
-        for (member, taken) in self.members.iter().zip(&self.taken) {
+        for (k, member) in self.members.iter().enumerate() {
             if self.watch.cancelled() {
                 break;
             }
             match member.mesh(&task) {
                 // A step that leaves something nobody can fill was a bad one: it is dropped.
                 Ok(patch) => match self.commit(contour, patch, size) {
-                    Ok(filled) => {
-                        taken.fetch_add(1, Ordering::Relaxed);
-                        return Ok(filled);
-                    }
+                    Ok(filled) => return Ok(Filled { member: Some(k), ..filled }),
                     Err(e) => tracing::debug!(member = member.name(), n_nodes = contour.len(), %e, "dropped"),
                 },
                 Err(refusal) => {
@@ -151,14 +160,15 @@ impl<'a> Triad<'a> {
         } else {
             child_contours.iter().map(|c| self.fill(c, size)).collect::<Result<Vec<_>, _>>()?
         };
-        Ok(Filled { first_id, points: patch.points, quads, children })
+        let n_fallbacks = patch.n_fallbacks;
+        Ok(Filled { first_id, points: patch.points, quads, children, member: None, n_fallbacks })
     }
 }
 
 impl Filled {
     /// A result made elsewhere (bridges, layers): points `first_id ..` and quads, without children.
     pub fn leaf(first_id: u32, points: Vec<Point2>, quads: Vec<[u32; 4]>) -> Self {
-        Self { first_id, points, quads, children: Vec::new() }
+        Self { first_id, points, quads, ..Self::default() }
     }
 
     /// Number of quads, with all children.

@@ -17,4 +17,4 @@ pub use mesher::{Appraisal, Contour, NodeFlags, Patch, Recipe, Refusal, RegionMe
 pub use quad_mesh::{NamedSets, QuadMesh};
 pub use quality::QualityReport;
 pub use topology::QuadTopology;
-pub use validate::{Expectation, MeshDefect, certify, validate};
+pub use validate::{Expectation, MeshDefect, certify, is_strictly_convex, validate};

@@ -126,6 +126,8 @@ pub struct Patch {
     pub quads: Vec<[u32; 4]>,
     /// Contours that are still to be filled, in local names, material on the left, each of even length.
     pub children: Vec<Vec<u32>>,
+    /// How many contours within this step were filled by the guaranteed fallback.
+    pub n_fallbacks: usize,
 }
 
 impl Patch {
@@ -209,7 +211,8 @@ pub trait RegionMesher: Send + Sync + std::fmt::Debug {
     }
 
     /// One step. The quads and children of the patch cover the contour exactly, every contour segment belongs to
-    /// exactly one of them, all quads are strictly convex, all children have even length and are smaller than the
+    /// exactly one of them, all quads are strictly convex (a mesher may be told otherwise, where the mesh will be
+    /// untangled), all children have even length and are smaller than the
     /// contour (in area or in nodes).
     ///
     /// # Errors

@@ -99,6 +99,7 @@ impl RegionMesher for LoopPaver {
         let patch = Patch {
             quads: ring.quads.iter().map(|q| q.map(name)).collect(),
             children: vec![ring.next.nodes.iter().map(|&v| name(v)).collect()],
+            n_fallbacks: 0,
             points: ring.points.clone(),
         };
         let others = Others { index: &index, own: 0, committed: &[false], gap: 1.2 };

@@ -3,6 +3,7 @@
 
 pub mod background;
 pub mod build;
+pub mod coarse;
 pub mod count;
 pub mod discretize;
 pub mod error;
@@ -17,6 +18,7 @@ pub mod uniform;
 
 pub use background::Background;
 pub use build::{Extras, build};
+pub use coarse::near_coarse;
 pub use count::expected_quads;
 pub use discretize::{CurvatureLimit, DiscretizeOptions, discretize};
 pub use error::SizeError;

@@ -16,7 +16,7 @@
 //! With companions, step 4 looks one step ahead: of the best few splits, the one whose children the companions
 //! appraise best is taken (handbook 4.6).
 
-use crate::closure::{ClosureResult, close};
+use crate::closure::{ClosureResult, close, close_loosely};
 use crate::split::{LADDER, Split, SplitRules, Splitter, place};
 use crate::view::{Nodes, View};
 use csalf_geom::angle::interior_angle;
@@ -35,6 +35,8 @@ pub struct Tally {
     pub closures: usize,
     /// Contours taken by companions.
     pub companions: usize,
+    /// Contours closed by a stencil of any shape ([`Subdivision::loose`]).
+    pub loose: usize,
     /// Contours that went to the guaranteed fallback.
     pub fallbacks: usize,
 }
@@ -48,6 +50,7 @@ pub struct Subdivision {
     rules: SplitRules,
     companions: Vec<Arc<dyn RegionMesher>>,
     seam: usize,
+    loose: bool,
 }
 
 /// Contours above this size go back to the driver as two children. Smaller: more parallel tasks; larger: fewer
@@ -74,12 +77,20 @@ const GOOD_CLOSURE: f64 = 0.3;
 impl Subdivision {
     /// Subdivision alone (TriQuaMesh) with the given rules.
     pub fn new(rules: SplitRules) -> Self {
-        Self { rules, companions: Vec::new(), seam: SEAM }
+        Self { rules, companions: Vec::new(), seam: SEAM, loose: false }
     }
 
     /// Adds a mesher that is asked before every split, after those added earlier.
     pub fn with_companion(mut self, companion: Arc<dyn RegionMesher>) -> Self {
         self.companions.push(companion);
+        self
+    }
+
+    /// Contours of up to eight nodes that no good stencil closes are closed by the one that suits their angles best,
+    /// though its quads may overlap and turn over: for callers that untangle the mesh. That gives far better quads than
+    /// the guaranteed fallback, which is left with larger contours.
+    pub fn loose(mut self, loose: bool) -> Self {
+        self.loose = loose;
         self
     }
 
@@ -158,6 +169,7 @@ impl Frame {
 /// One run over one task.
 struct Recursion<'a> {
     rules: &'a SplitRules,
+    loose: bool,
     companions: &'a [Arc<dyn RegionMesher>],
     size: &'a dyn SizeField,
     tolerance: Tolerance,
@@ -203,6 +215,7 @@ impl<'a> Recursion<'a> {
         }
         Self {
             rules: &owner.rules,
+            loose: owner.loose,
             companions: &owner.companions,
             size: task.size,
             tolerance: task.tolerance,
@@ -250,7 +263,7 @@ impl<'a> Recursion<'a> {
                 return;
             }
         }
-        if n <= 8 && self.close(contour, 0.0) {
+        if n <= 8 && (self.close(contour, 0.0) || self.loose && self.close_loosely(contour)) {
             return;
         }
         self.fall_back(contour);
@@ -258,6 +271,32 @@ impl<'a> Recursion<'a> {
 
     /// Closes a contour of 4, 6 or 8 nodes by a stencil, if its worst quad is at least `least`.
     fn close(&mut self, contour: &[u32], least: f64) -> bool {
+        let n = contour.len();
+        let (rim, wanted) = self.angles(contour);
+        let mut out = ClosureResult::default();
+        if !close(&rim[..n], &wanted[..n], &mut out).is_some_and(|sj| sj >= least) {
+            return false;
+        }
+        self.add_closure(contour, &out);
+        self.tally.closures += 1;
+        true
+    }
+
+    /// Closes it by the stencil that suits its angles best, whatever its quads.
+    fn close_loosely(&mut self, contour: &[u32]) -> bool {
+        let n = contour.len();
+        let (rim, wanted) = self.angles(contour);
+        let mut out = ClosureResult::default();
+        if !close_loosely(&rim[..n], &wanted[..n], &mut out) {
+            return false;
+        }
+        self.add_closure(contour, &out);
+        self.tally.loose += 1;
+        true
+    }
+
+    /// Points of up to eight nodes, and the number of quads that their angles ask for.
+    fn angles(&self, contour: &[u32]) -> ([Point2; 8], [f64; 8]) {
         let n = contour.len();
         let mut rim = [Point2::ZERO; 8];
         let mut wanted = [0.0; 8];
@@ -270,10 +309,11 @@ impl<'a> Recursion<'a> {
             let theta = if tip { TAU } else { interior_angle(rim[a], rim[i], rim[c]) };
             wanted[i] = theta / FRAC_PI_2;
         }
-        let mut out = ClosureResult::default();
-        if !close(&rim[..n], &wanted[..n], &mut out).is_some_and(|sj| sj >= least) {
-            return false;
-        }
+        (rim, wanted)
+    }
+
+    fn add_closure(&mut self, contour: &[u32], out: &ClosureResult) {
+        let n = contour.len();
         let base = self.nodes.points.len() as u32;
         for &p in out.points() {
             let h = self.size.h(p, &mut self.hint);
@@ -283,8 +323,6 @@ impl<'a> Recursion<'a> {
             if (name as usize) < n { contour[name as usize] } else { base + name as u32 - n as u32 }
         };
         self.quads.extend(out.quads().iter().map(|q| q.map(node)));
-        self.tally.closures += 1;
-        true
     }
 
     /// The contour as the seam's type, in `scratch`; ids are nodes.
@@ -313,6 +351,7 @@ impl<'a> Recursion<'a> {
 
     /// Takes over a patch made for `contour`.
     fn take(&mut self, contour: &[u32], patch: &Patch) {
+        self.tally.fallbacks += patch.n_fallbacks;
         let n = contour.len() as u32;
         let base = self.nodes.points.len() as u32;
         for &p in &patch.points {
@@ -468,7 +507,6 @@ impl<'a> Recursion<'a> {
     /// Step 5.
     fn fall_back(&mut self, contour: &[u32]) {
         self.load_scratch(contour);
-        self.tally.fallbacks += 1;
         tracing::debug!(n_nodes = contour.len(), at = ?self.scratch.points[0], "guaranteed fallback");
         match crate::fallback::fill(&self.scratch, self.tolerance) {
             Ok(patch) => self.take(contour, &patch),
@@ -485,6 +523,7 @@ impl<'a> Recursion<'a> {
             quads: self.quads.iter().map(|q| q.map(name)).collect(),
             children: self.children.iter().map(|c| c.iter().map(|&v| name(v)).collect()).collect(),
             points: self.nodes.points[n_named as usize..].to_vec(),
+            n_fallbacks: self.tally.fallbacks,
         }
     }
 }

@@ -81,7 +81,7 @@ impl Transfinite {
                     - 0.02 * plan.pattern.n_irregular as f64;
                 if best.as_ref().is_none_or(|b| score > b.0) && !has_double(c, &filler.quads) {
                     let points = filler.points[n..].to_vec();
-                    best = Some((score, Patch { points, quads: filler.quads.clone(), children: Vec::new() }));
+                    best = Some((score, Patch { points, quads: filler.quads.clone(), ..Patch::default() }));
                 }
             }
         });
@@ -118,11 +118,11 @@ impl Transfinite {
             return Ok(Patch {
                 points: filler.points[n..].to_vec(),
                 quads: filler.quads.clone(),
-                children: Vec::new(),
+                ..Patch::default()
             });
         };
         points.drain(..n);
-        Ok(Patch { points, quads, children: Vec::new() })
+        Ok(Patch { points, quads, ..Patch::default() })
     }
 }
 

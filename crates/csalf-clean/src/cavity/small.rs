@@ -272,6 +272,6 @@ impl Site<'_> {
                 points[i] = sum / count;
             }
         }
-        Patch { points, quads: disk.quads.iter().map(|q| q.map(u32::from)).collect(), children: Vec::new() }
+        Patch { points, quads: disk.quads.iter().map(|q| q.map(u32::from)).collect(), ..Patch::default() }
     }
 }

@@ -80,6 +80,28 @@ pub fn close(rim: &[Point2], wanted: &[f64], out: &mut ClosureResult) -> Option<
     Some(found.sj)
 }
 
+/// As [`close`], but of any shape: the quads may overlap and turn over. For contours that lie between nodes which may
+/// still move, before an untangler has run: the valences count most. False for other numbers of nodes.
+pub fn close_loosely(rim: &[Point2], wanted: &[f64], out: &mut ClosureResult) -> bool {
+    let n = rim.len();
+    let all = placements(n);
+    if wanted.len() != n {
+        return false;
+    }
+    let mut best: Option<(f64, Found)> = None;
+    for p in all {
+        let found = smooth(p, rim);
+        let rim_cost: f64 = (0..n).map(|i| (p.valence[i] - wanted[i]).powi(2)).sum();
+        let score = p.cost + rim_cost - 2.0 * found.sj.min(ENOUGH_SJ);
+        if best.is_none_or(|b| score < b.0) {
+            best = Some((score, found));
+        }
+    }
+    let Some((_, Found { placement: p, inner, .. })) = best else { return false };
+    *out = ClosureResult { points: inner, n_points: p.n_inner, quads: p.quads, n_quads: p.n_quads };
+    true
+}
+
 /// What [`close`] would return, and the number of quads, without the exact check. Cost as of [`close`].
 pub fn appraise(rim: &[Point2], wanted: &[f64]) -> Option<(f64, usize)> {
     select(rim, wanted).map(|found| (found.sj, found.placement.n_quads))

@@ -137,7 +137,7 @@ fn by_stencil(contour: &Contour) -> Option<Patch> {
     let mut out = ClosureResult::default();
     close(&contour.points, &wanted, &mut out)?;
     let quads = out.quads().iter().map(|q| q.map(u32::from)).collect();
-    Some(Patch { points: out.points().to_vec(), quads, children: Vec::new() })
+    Some(Patch { points: out.points().to_vec(), quads, ..Patch::default() })
 }
 
 /// Exact: no two segments meet but neighbours in their common node. Cost O(n²), for few nodes.

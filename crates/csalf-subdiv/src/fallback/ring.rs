@@ -255,7 +255,8 @@ impl<'a> Ring<'a> {
         let n = self.contour.len();
         let n32 = n as u32;
         let n_inner = self.base.len() as u32;
-        let mut patch = Patch { points: (0..n_inner).map(|k| self.at(k)).collect(), ..Patch::default() };
+        let mut patch =
+            Patch { points: (0..n_inner).map(|k| self.at(k)).collect(), n_fallbacks: 1, ..Patch::default() };
         let add = |points: &mut Vec<Point2>, p: Point2| {
             points.push(p);
             n32 + points.len() as u32 - 1
