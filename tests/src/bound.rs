@@ -111,8 +111,7 @@ mod tests {
         ]);
         assert!((notch - 0.01).abs() < 1e-4, "{notch}");
         // Walls with nodes face to face are no bound.
-        let strip: Vec<_> =
-            (0..=5).map(|i| (f64::from(i), 0.0)).chain((0..=5).rev().map(|i| (f64::from(i), 0.01)));
+        let strip = (0..=5).map(|i| (f64::from(i), 0.0)).chain((0..=5).rev().map(|i| (f64::from(i), 0.01)));
         assert_eq!(bound(&strip.collect::<Vec<_>>()), 1.0);
     }
 }
