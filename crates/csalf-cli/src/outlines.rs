@@ -45,6 +45,8 @@ pub struct Outline {
     pub name: String,
     /// The job, or the defects in words.
     pub job: Result<Job, Vec<String>>,
+    /// The curves that the nodes were placed on, where there were any.
+    pub geometry: Option<Geometry>,
 }
 
 /// Jobs of all outlines of an input. What was decided for the caller is added to `notes`.
@@ -81,7 +83,7 @@ fn of_job(mut job: Job, wish: Wish, sizes: &mut DefaultSizes) -> Outline {
     if let Some(h) = wish.size {
         job.size = SizeSpec::Uniform { h };
     }
-    Outline { name: job.name.clone(), job: Ok(job) }
+    Outline { name: job.name.clone(), job: Ok(job), geometry: None }
 }
 
 /// The lines of a job without their nodes; corners stay.
@@ -119,7 +121,7 @@ fn discretized(geometry: &Geometry, mut job: Job, wish: Wish, sizes: &mut Defaul
             let tolerance = Tolerance::of_points(loops.iter().flatten().copied());
             match build(spec, &loops, &Extras::default(), tolerance) {
                 Ok(field) => field,
-                Err(e) => return Outline { name, job: Err(vec![e.to_string()]) },
+                Err(e) => return Outline { name, job: Err(vec![e.to_string()]), geometry: None },
             }
         }
     };
@@ -129,7 +131,7 @@ fn discretized(geometry: &Geometry, mut job: Job, wish: Wish, sizes: &mut Defaul
         job.domain = domain;
         job
     });
-    Outline { name, job }
+    Outline { name, job, geometry: Some(geometry.clone()) }
 }
 
 /// Sizes that were chosen because none was given.

@@ -5,11 +5,12 @@
 //! not bit for bit as in the other text formats.
 
 use crate::{
-    IoError, MeshData, MeshView, Place,
+    IoError, MeshData, MeshView, MidNodes, Place,
     builder::Builder,
-    inp::nodes_of_edges,
+    inp::node_sets,
     text::{Cursor, one_line},
 };
+use csalf_geom::VertexId;
 use std::io::Write;
 
 const FORMAT: &str = "Nastran";
@@ -19,8 +20,18 @@ const FORMAT: &str = "Nastran";
 /// # Errors
 /// [`IoError::Write`]; [`IoError::Unsupported`] if a number needs more than the eight digits of a field.
 pub fn write(out: &MeshView<'_>, w: &mut dyn Write) -> Result<(), IoError> {
+    write_with(out, None, w)
+}
+
+/// Writes a mesh; with mid-side nodes `CQUAD8` (of nine nodes `CQUAD`) and `CTRIA6`.
+///
+/// # Errors
+/// As [`write()`].
+pub fn write_with(out: &MeshView<'_>, mid: Option<&MidNodes>, w: &mut dyn Write) -> Result<(), IoError> {
     let mesh = out.mesh;
-    if mesh.points.len().max(mesh.quads.len() + mesh.triangles.len()) > 99_999_999 {
+    if (mesh.points.len() + mid.map_or(0, MidNodes::n_nodes)).max(mesh.quads.len() + mesh.triangles.len())
+        > 99_999_999
+    {
         return Err(IoError::unsupported(FORMAT, Place::Whole, "more than 99,999,999 nodes or elements"));
     }
     writeln!(w, "$ {}", one_line(out.title))?;
@@ -43,32 +54,49 @@ pub fn write(out: &MeshView<'_>, w: &mut dyn Write) -> Result<(), IoError> {
             }
             Ok(writeln!(w)?)
         };
-    for (name, nodes) in &out.sets.nodes {
-        write_set("NODES", name, nodes.iter().map(|v| v.0).collect(), w)?;
-    }
-    for (name, edges) in &out.sets.edges {
-        if !out.sets.nodes.iter().any(|(n, _)| n == name) {
-            write_set("NODES", name, nodes_of_edges(edges), w)?;
-        }
+    for (name, nodes) in node_sets(out, mid) {
+        write_set("NODES", &name, nodes, w)?;
     }
     for (name, quads) in &out.sets.quads {
         write_set("ELEMENTS", name, quads.iter().map(|q| q.0).collect(), w)?;
     }
     writeln!(w, "BEGIN BULK")?;
-    for (i, p) in mesh.points.iter().enumerate() {
+    let more = mid.into_iter().flat_map(MidNodes::points);
+    for (i, p) in mesh.points.iter().copied().chain(more).enumerate() {
         writeln!(w, "GRID*   {:<16}{:<16}{:<16}{:<16}*", i + 1, "", field(p.x), field(p.y))?;
         writeln!(w, "*       {:<16}", "0.")?;
     }
     for (i, q) in mesh.quads.iter().enumerate() {
+        if let Some(m) = mid {
+            let card = if m.has_centres() { "CQUAD" } else { "CQUAD8" };
+            write_card(card, i + 1, &m.quad(i, q), w)?;
+            continue;
+        }
         let [a, b, c, d] = q.map(|v| v.0 + 1);
         writeln!(w, "CQUAD4  {:<8}{:<8}{a:<8}{b:<8}{c:<8}{d:<8}", i + 1, 1)?;
     }
     for (i, t) in mesh.triangles.iter().enumerate() {
+        if let Some(m) = mid {
+            write_card("CTRIA6", mesh.quads.len() + i + 1, &m.triangle(t), w)?;
+            continue;
+        }
         let [a, b, c] = t.map(|v| v.0 + 1);
         writeln!(w, "CTRIA3  {:<8}{:<8}{a:<8}{b:<8}{c:<8}", mesh.quads.len() + i + 1, 1)?;
     }
     writeln!(w, "ENDDATA")?;
     Ok(())
+}
+
+/// One element of many nodes: six on the first line, the rest on a continuation.
+fn write_card(card: &str, number: usize, nodes: &[VertexId], w: &mut dyn Write) -> Result<(), IoError> {
+    write!(w, "{card:<8}{number:<8}{:<8}", 1)?;
+    for (k, v) in nodes.iter().enumerate() {
+        if k == 6 {
+            write!(w, "\n        ")?;
+        }
+        write!(w, "{:<8}", v.0 + 1)?;
+    }
+    Ok(writeln!(w)?)
 }
 
 /// The text of at most 16 characters that is nearest to `x`; always with a point.

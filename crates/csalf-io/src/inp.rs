@@ -1,16 +1,16 @@
 //! Abaqus and CalculiX input (`.inp`): `*NODE`, `*ELEMENT`, `*NSET`, `*ELSET`. An edge set is written as the set of
-//! its nodes, in order along the curve.
+//! its nodes, in order along the curve. Numbers have at most 20 characters: CalculiX reads no longer ones.
 
 use crate::{
-    IoError, MeshData, MeshView, Place,
+    IoError, MeshData, MeshView, MidNodes, Place, WriteOptions,
     builder::Builder,
-    text::{Cursor, Num, one_line, plain_name},
+    text::{Cursor, Num20, one_line, plain_name},
 };
 use std::io::Write;
 
 const FORMAT: &str = "Abaqus";
 
-/// Which elements quads become.
+/// Which elements quads and triangles become; of quadratic ones see [`write_with`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum InpElement {
     /// Shells: S4 and S3.
@@ -20,15 +20,22 @@ pub enum InpElement {
     PlaneStress,
     /// Plane strain: CPE4 and CPE3.
     PlaneStrain,
+    /// Bodies of revolution about the y axis: CAX4 and CAX3.
+    Axisymmetric,
 }
 
 impl InpElement {
     /// Names of the quad and the triangle.
-    const fn names(self) -> (&'static str, &'static str) {
-        match self {
-            Self::Shell => ("S4", "S3"),
-            Self::PlaneStress => ("CPS4", "CPS3"),
-            Self::PlaneStrain => ("CPE4", "CPE3"),
+    const fn names(self, quadratic: bool) -> (&'static str, &'static str) {
+        match (self, quadratic) {
+            (Self::Shell, false) => ("S4", "S3"),
+            (Self::PlaneStress, false) => ("CPS4", "CPS3"),
+            (Self::PlaneStrain, false) => ("CPE4", "CPE3"),
+            (Self::Axisymmetric, false) => ("CAX4", "CAX3"),
+            (Self::Shell, true) => ("S8R", "S6"),
+            (Self::PlaneStress, true) => ("CPS8", "CPS6"),
+            (Self::PlaneStrain, true) => ("CPE8", "CPE6"),
+            (Self::Axisymmetric, true) => ("CAX8", "CAX6"),
         }
     }
 }
@@ -38,49 +45,87 @@ impl InpElement {
 /// # Errors
 /// [`IoError::Write`].
 pub fn write(out: &MeshView<'_>, w: &mut dyn Write) -> Result<(), IoError> {
-    write_as(out, InpElement::Shell, w)
+    write_with(out, &WriteOptions::default(), w)
 }
 
-/// Writes a mesh of the elements asked for.
+/// Writes a mesh of the elements asked for; with mid-side nodes S8R, CPS8, CPE8 or CAX8, and the sets of edges hold
+/// those, too.
 ///
 /// # Errors
-/// [`IoError::Write`].
-pub fn write_as(out: &MeshView<'_>, element: InpElement, w: &mut dyn Write) -> Result<(), IoError> {
+/// [`IoError::Write`]; [`IoError::Unsupported`] of elements with nine nodes.
+pub fn write_with(out: &MeshView<'_>, how: &WriteOptions<'_>, w: &mut dyn Write) -> Result<(), IoError> {
     let mesh = out.mesh;
-    let (quad, triangle) = element.names();
+    if how.mid.is_some_and(MidNodes::has_centres) {
+        return Err(IoError::unsupported(
+            FORMAT,
+            Place::Whole,
+            "there are no elements of nine nodes, ask for eight",
+        ));
+    }
+    let (quad, triangle) = how.element.names(how.mid.is_some());
     writeln!(w, "*HEADING\n{}\n*NODE, NSET=NALL", one_line(out.title).replace('*', " "))?;
-    for (i, p) in mesh.points.iter().enumerate() {
-        writeln!(w, "{}, {}, {}, 0.0", i + 1, Num(p.x), Num(p.y))?;
+    let more = how.mid.into_iter().flat_map(MidNodes::points);
+    for (i, p) in mesh.points.iter().copied().chain(more).enumerate() {
+        writeln!(w, "{}, {}, {}, 0.0", i + 1, Num20(p.x), Num20(p.y))?;
     }
     if !mesh.quads.is_empty() {
         writeln!(w, "*ELEMENT, TYPE={quad}, ELSET=EALL")?;
     }
     for (i, q) in mesh.quads.iter().enumerate() {
-        writeln!(w, "{}, {}, {}, {}, {}", i + 1, q[0].0 + 1, q[1].0 + 1, q[2].0 + 1, q[3].0 + 1)?;
+        match how.mid {
+            None => writeln!(w, "{}, {}, {}, {}, {}", i + 1, q[0].0 + 1, q[1].0 + 1, q[2].0 + 1, q[3].0 + 1)?,
+            Some(m) => {
+                write!(w, "{}, ", i + 1)?;
+                write_list(m.quad(i, q).iter().map(|v| v.0 + 1), w)?;
+            }
+        }
     }
     if !mesh.triangles.is_empty() {
         writeln!(w, "*ELEMENT, TYPE={triangle}, ELSET=EALL")?;
     }
     for (i, t) in mesh.triangles.iter().enumerate() {
         let number = mesh.quads.len() + i + 1;
-        writeln!(w, "{number}, {}, {}, {}", t[0].0 + 1, t[1].0 + 1, t[2].0 + 1)?;
-    }
-    for (name, nodes) in &out.sets.nodes {
-        writeln!(w, "*NSET, NSET={}", plain_name(name))?;
-        write_list(nodes.iter().map(|v| v.0 + 1), w)?;
-    }
-    for (name, edges) in &out.sets.edges {
-        if out.sets.nodes.iter().any(|(n, _)| n == name) {
-            continue;
+        match how.mid {
+            None => writeln!(w, "{number}, {}, {}, {}", t[0].0 + 1, t[1].0 + 1, t[2].0 + 1)?,
+            Some(m) => {
+                write!(w, "{number}, ")?;
+                write_list(m.triangle(t).iter().map(|v| v.0 + 1), w)?;
+            }
         }
-        writeln!(w, "*NSET, NSET={}, UNSORTED", plain_name(name))?;
-        write_list(nodes_of_edges(edges).into_iter().map(|v| v + 1), w)?;
+    }
+    for (name, nodes) in node_sets(out, how.mid) {
+        let unsorted = if out.sets.nodes.iter().any(|(n, _)| *n == name) { "" } else { ", UNSORTED" };
+        writeln!(w, "*NSET, NSET={}{unsorted}", plain_name(&name))?;
+        write_list(nodes.into_iter().map(|v| v + 1), w)?;
     }
     for (name, quads) in &out.sets.quads {
         writeln!(w, "*ELSET, ELSET={}", plain_name(name))?;
         write_list(quads.iter().map(|q| q.0 + 1), w)?;
     }
     Ok(())
+}
+
+/// Node sets, and edge sets of other names as sets of nodes. With mid-side nodes, those of edge sets take part.
+pub(crate) fn node_sets(out: &MeshView<'_>, mid: Option<&MidNodes>) -> Vec<(String, Vec<u32>)> {
+    let edges_of = |name: &str| out.sets.edges.iter().find(|(n, _)| n == name).map(|(_, e)| e.as_slice());
+    let mut all = Vec::new();
+    for (name, nodes) in &out.sets.nodes {
+        let members = match (mid, edges_of(name)) {
+            (Some(m), Some(edges)) => m.along(edges),
+            _ => nodes.clone(),
+        };
+        all.push((name.clone(), members.iter().map(|v| v.0).collect()));
+    }
+    for (name, edges) in &out.sets.edges {
+        if out.sets.nodes.iter().all(|(n, _)| n != name) {
+            let members = match mid {
+                Some(m) => m.along(edges).iter().map(|v| v.0).collect(),
+                None => nodes_of_edges(edges),
+            };
+            all.push((name.clone(), members));
+        }
+    }
+    all
 }
 
 /// The nodes of an edge set, in order, none twice in a row nor the first at the end again.

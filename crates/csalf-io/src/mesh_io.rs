@@ -1,20 +1,45 @@
 //! One door to all mesh formats.
 
-use crate::{IoError, MeshData, MeshFormat, MeshView, Place, bdf, inp, msh, obj, picture, vtu};
+use crate::{IoError, MeshData, MeshFormat, MeshView, MidNodes, Place, bdf, inp, msh, obj, picture, vtu};
 use std::io::Write;
 use std::path::Path;
+
+/// How a mesh is written, besides its format.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct WriteOptions<'a> {
+    /// Mid-side nodes: quadratic elements.
+    pub mid: Option<&'a MidNodes>,
+    /// Which elements `.inp` gets.
+    pub element: inp::InpElement,
+}
 
 /// Writes a mesh in a format. The sink should be buffered.
 ///
 /// # Errors
 /// [`IoError::Write`]; [`IoError::Unsupported`] for what the format cannot hold.
 pub fn write_mesh(format: MeshFormat, out: &MeshView<'_>, w: &mut dyn Write) -> Result<(), IoError> {
+    write_mesh_with(format, out, &WriteOptions::default(), w)
+}
+
+/// Writes a mesh in a format, as `how` says. Pictures show straight sides.
+///
+/// # Errors
+/// As [`write_mesh`]; [`IoError::Unsupported`] also for mid-side nodes in a format that has none.
+pub fn write_mesh_with(
+    format: MeshFormat,
+    out: &MeshView<'_>,
+    how: &WriteOptions<'_>,
+    w: &mut dyn Write,
+) -> Result<(), IoError> {
     match format {
-        MeshFormat::Vtu => vtu::write(out, w),
-        MeshFormat::Msh41 => msh::write_41(out, w),
-        MeshFormat::Msh22 => msh::write_22(out, w),
-        MeshFormat::Inp => inp::write(out, w),
-        MeshFormat::Bdf => bdf::write(out, w),
+        MeshFormat::Vtu => vtu::write_as(out, vtu::VtuEncoding::default(), how.mid, w),
+        MeshFormat::Msh41 => msh::write_41_with(out, how.mid, w),
+        MeshFormat::Msh22 => msh::write_22_with(out, how.mid, w),
+        MeshFormat::Inp => inp::write_with(out, how, w),
+        MeshFormat::Bdf => bdf::write_with(out, how.mid, w),
+        MeshFormat::Obj if how.mid.is_some() => {
+            Err(IoError::unsupported(format.name(), Place::Whole, "the format has no quadratic elements"))
+        }
         MeshFormat::Obj => obj::write(out, w),
         MeshFormat::Svg => picture::write_svg(out, w),
         MeshFormat::Png => picture::write_png(out, w),

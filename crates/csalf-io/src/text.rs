@@ -92,6 +92,28 @@ impl fmt::Display for Num {
     }
 }
 
+/// A number in at most 20 characters, as the input of Abaqus and CalculiX wants it: exact if it fits, else with a
+/// relative error below 1e-12.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Num20(pub f64);
+
+impl fmt::Display for Num20 {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        const WIDTH: usize = 20;
+        let with_point = |s: String| match s.split_once('e') {
+            Some((m, e)) if !m.contains('.') => format!("{m}.0e{e}"),
+            _ => s,
+        };
+        let exact = [Num(self.0).to_string(), with_point(format!("{:e}", self.0))];
+        if let Some(s) = exact.iter().find(|s| s.len() <= WIDTH) {
+            return f.write_str(s);
+        }
+        // The sign, a digit, the point and an exponent of up to four characters and a sign leave at least 12.
+        let mut rounded = (12..=16).rev().map(|digits| format!("{:.digits$e}", self.0));
+        f.write_str(&rounded.find(|s| s.len() <= WIDTH).unwrap_or_default())
+    }
+}
+
 /// A set's name in a format that allows only letters, digits, `_` and `-`, beginning with a letter.
 pub(crate) fn plain_name(name: &str) -> String {
     let mut out: String =
@@ -120,6 +142,19 @@ mod tests {
             assert!(s.contains('.'), "{s}");
             assert_eq!(s.parse::<f64>().unwrap().to_bits(), x.to_bits(), "{s}");
         }
+    }
+
+    #[test]
+    fn twenty_characters_are_enough() {
+        let hard =
+            [-7.105427357601002e-15, -0.012345678901234568, 1.2345678901234567e-300, -1.7976931348623157e308];
+        for x in hard.into_iter().chain([0.0, -1.5, 5e-324, 123456789.12345678, -1e16]) {
+            let s = Num20(x).to_string();
+            assert!(s.len() <= 20 && s.contains('.'), "{s}");
+            let back: f64 = s.parse().unwrap();
+            assert!((back - x).abs() <= 1e-12 * x.abs(), "{s} is not {x}");
+        }
+        assert_eq!(Num20(0.1 + 0.2).to_string(), "0.30000000000000004");
     }
 
     #[test]

@@ -9,7 +9,7 @@ mod write;
 
 pub use outline::read_job;
 pub use read::read;
-pub use write::{write_22, write_41};
+pub use write::{write_22, write_22_with, write_41, write_41_with};
 
 /// Name of the format in errors.
 pub(crate) const FORMAT: &str = "Gmsh";

@@ -7,10 +7,10 @@
 
 use super::{ALL, FORMAT};
 use crate::{
-    IoError, MeshView, Place,
+    IoError, MeshView, MidNodes, Place,
     text::{Num, one_line},
 };
-use csalf_geom::VertexId;
+use csalf_geom::{Point2, VertexId};
 use std::io::Write;
 
 /// Gmsh's numbers of element types.
@@ -33,6 +33,19 @@ struct Block<'a> {
     kind: u32,
     groups: Vec<usize>,
     elements: Vec<&'a [VertexId]>,
+}
+
+impl Block<'_> {
+    /// Gmsh's number of the element type: of second order with mid-side nodes.
+    fn number_of_kind(&self, mid: Option<&MidNodes>) -> u32 {
+        match (self.kind, mid) {
+            (LINE, Some(_)) => 8,
+            (TRIANGLE, Some(_)) => 9,
+            (QUAD, Some(m)) if m.has_centres() => 10,
+            (QUAD, Some(_)) => 16,
+            (kind, _) => kind,
+        }
+    }
 }
 
 /// Groups and blocks of a mesh.
@@ -121,6 +134,14 @@ fn write_head(version: &str, groups: &[Group], w: &mut dyn Write) -> Result<(), 
 /// # Errors
 /// [`IoError::Write`]; [`IoError::Unsupported`] if an element or set names what is not there.
 pub fn write_41(out: &MeshView<'_>, w: &mut dyn Write) -> Result<(), IoError> {
+    write_41_with(out, None, w)
+}
+
+/// Writes version 4.1; with mid-side nodes elements of second order.
+///
+/// # Errors
+/// As [`write_41`].
+pub fn write_41_with(out: &MeshView<'_>, mid: Option<&MidNodes>, w: &mut dyn Write) -> Result<(), IoError> {
     let (groups, blocks) = layout(out)?;
     write_head("4.1", &groups, w)?;
     let (lo, hi) = csalf_geom::polygon::bounds(out.mesh.points.iter().copied()).unwrap_or_default();
@@ -151,25 +172,25 @@ pub fn write_41(out: &MeshView<'_>, w: &mut dyn Write) -> Result<(), IoError> {
     if count(2) == 0 {
         writeln!(w, "1 {} {} 0 {} {} 0 1 1 0", Num(lo.x), Num(lo.y), Num(hi.x), Num(hi.y))?;
     }
-    let n = out.mesh.points.len();
+    let n = out.mesh.points.len() + mid.map_or(0, MidNodes::n_nodes);
     // All nodes belong to surface 1, so that they stay in their order.
     writeln!(w, "$EndEntities\n$Nodes\n1 {n} {} {n}\n2 1 0 {n}", n.min(1))?;
     for i in 1..=n {
         writeln!(w, "{i}")?;
     }
-    for p in &out.mesh.points {
+    for p in all_points(out, mid) {
         writeln!(w, "{} {} 0", Num(p.x), Num(p.y))?;
     }
     let n_elements: usize = blocks.iter().map(|b| b.elements.len()).sum();
     let n_blocks = blocks.iter().filter(|b| !b.elements.is_empty()).count();
     writeln!(w, "$EndNodes\n$Elements\n{n_blocks} {n_elements} {} {n_elements}", n_elements.min(1))?;
-    let mut number = 0;
+    let (mut number, mut quads) = (0, 0);
     for b in blocks.iter().filter(|b| !b.elements.is_empty()) {
-        writeln!(w, "{} {} {} {}", b.dim, b.entity, b.kind, b.elements.len())?;
+        writeln!(w, "{} {} {} {}", b.dim, b.entity, b.number_of_kind(mid), b.elements.len())?;
         for e in &b.elements {
             number += 1;
             write!(w, "{number}")?;
-            write_corners(e, w)?;
+            write_nodes(b, e, mid, &mut quads, w)?;
         }
     }
     writeln!(w, "$EndElements")?;
@@ -181,24 +202,63 @@ pub fn write_41(out: &MeshView<'_>, w: &mut dyn Write) -> Result<(), IoError> {
 /// # Errors
 /// As [`write_41`].
 pub fn write_22(out: &MeshView<'_>, w: &mut dyn Write) -> Result<(), IoError> {
+    write_22_with(out, None, w)
+}
+
+/// Writes version 2.2; with mid-side nodes elements of second order.
+///
+/// # Errors
+/// As [`write_41`].
+pub fn write_22_with(out: &MeshView<'_>, mid: Option<&MidNodes>, w: &mut dyn Write) -> Result<(), IoError> {
     let (groups, blocks) = layout(out)?;
     write_head("2.2", &groups, w)?;
-    writeln!(w, "$Nodes\n{}", out.mesh.points.len())?;
-    for (i, p) in out.mesh.points.iter().enumerate() {
+    writeln!(w, "$Nodes\n{}", out.mesh.points.len() + mid.map_or(0, MidNodes::n_nodes))?;
+    for (i, p) in all_points(out, mid).enumerate() {
         writeln!(w, "{} {} {} 0", i + 1, Num(p.x), Num(p.y))?;
     }
     let n_elements: usize = blocks.iter().map(|b| b.elements.len()).sum();
     writeln!(w, "$EndNodes\n$Elements\n{n_elements}")?;
-    let mut number = 0;
+    let (mut number, mut quads) = (0, 0);
     for b in &blocks {
         for e in &b.elements {
             number += 1;
-            write!(w, "{number} {} 2 {} {}", b.kind, b.groups.first().copied().unwrap_or(1), b.entity)?;
-            write_corners(e, w)?;
+            write!(
+                w,
+                "{number} {} 2 {} {}",
+                b.number_of_kind(mid),
+                b.groups.first().copied().unwrap_or(1),
+                b.entity
+            )?;
+            write_nodes(b, e, mid, &mut quads, w)?;
         }
     }
     writeln!(w, "$EndElements")?;
     Ok(())
+}
+
+/// Vertices, then mid-side nodes.
+fn all_points<'a>(out: &MeshView<'a>, mid: Option<&'a MidNodes>) -> impl Iterator<Item = Point2> + 'a {
+    out.mesh.points.iter().copied().chain(mid.into_iter().flat_map(MidNodes::points))
+}
+
+/// The nodes of an element; `quads` counts those of four corners, which are numbered as in the mesh.
+fn write_nodes(
+    block: &Block<'_>,
+    corners: &[VertexId],
+    mid: Option<&MidNodes>,
+    quads: &mut usize,
+    w: &mut dyn Write,
+) -> Result<(), IoError> {
+    let Some(m) = mid else { return write_corners(corners, w) };
+    match (block.kind, corners) {
+        (QUAD, &[a, b, c, d]) => {
+            *quads += 1;
+            write_corners(&m.quad(*quads - 1, &[a, b, c, d]), w)
+        }
+        (TRIANGLE, &[a, b, c]) => write_corners(&m.triangle(&[a, b, c]), w),
+        (LINE, &[a, b]) => write_corners(&[a, b, m.of(a, b)], w),
+        _ => write_corners(corners, w),
+    }
 }
 
 fn write_corners(corners: &[VertexId], w: &mut dyn Write) -> Result<(), IoError> {

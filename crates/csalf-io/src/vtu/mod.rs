@@ -12,3 +12,9 @@ pub(crate) const FORMAT: &str = "VTU";
 pub(crate) const VTK_TRIANGLE: u8 = 5;
 /// VTK's number of a quad.
 pub(crate) const VTK_QUAD: u8 = 9;
+/// VTK's number of a triangle of six nodes.
+pub(crate) const VTK_QUADRATIC_TRIANGLE: u8 = 22;
+/// VTK's number of a quad of eight nodes.
+pub(crate) const VTK_QUADRATIC_QUAD: u8 = 23;
+/// VTK's number of a quad of nine nodes.
+pub(crate) const VTK_BIQUADRATIC_QUAD: u8 = 28;

@@ -7,8 +7,10 @@
 //!   <AppendedData>  _ [u64 length][bytes] [u64 length][bytes] ...
 //! ```
 
-use super::{FORMAT, VTK_QUAD, VTK_TRIANGLE};
-use crate::{IoError, MeshView, error::Place};
+use super::{
+    FORMAT, VTK_BIQUADRATIC_QUAD, VTK_QUAD, VTK_QUADRATIC_QUAD, VTK_QUADRATIC_TRIANGLE, VTK_TRIANGLE,
+};
+use crate::{IoError, MeshView, MidNodes, error::Place};
 use base64::Engine as _;
 use std::io::Write;
 
@@ -44,22 +46,29 @@ macro_rules! bytes_of {
 /// # Errors
 /// As [`write_as`].
 pub fn write(out: &MeshView<'_>, w: &mut dyn Write) -> Result<(), IoError> {
-    write_as(out, VtuEncoding::AppendedRaw, w)
+    write_as(out, VtuEncoding::AppendedRaw, None, w)
 }
 
-/// Writes a mesh in the encoding asked for. Cost O(n) time and memory.
+/// Writes a mesh in the encoding asked for; with mid-side nodes quadratic cells. Cost O(n) time and memory.
 ///
 /// # Errors
 /// [`IoError::Write`]; [`IoError::Unsupported`] if a cell array is not as long as there are elements, or the
 /// mesh has more than 2³¹ corners.
-pub fn write_as(out: &MeshView<'_>, encoding: VtuEncoding, w: &mut dyn Write) -> Result<(), IoError> {
+pub fn write_as(
+    out: &MeshView<'_>,
+    encoding: VtuEncoding,
+    mid: Option<&MidNodes>,
+    w: &mut dyn Write,
+) -> Result<(), IoError> {
     let mesh = out.mesh;
     let n_cells = mesh.quads.len() + mesh.triangles.len();
     let fits = |n: usize| i32::try_from(n).is_ok();
-    if !fits(mesh.points.len()) || !fits(4 * mesh.quads.len() + 3 * mesh.triangles.len()) {
+    let n_points = mesh.points.len() + mid.map_or(0, MidNodes::n_nodes);
+    let per_side = if mid.is_some() { 3 } else { 1 };
+    if !fits(n_points) || !fits(per_side * (4 * mesh.quads.len() + 3 * mesh.triangles.len())) {
         return Err(IoError::unsupported(FORMAT, Place::Whole, "the mesh needs more than 31 bits"));
     }
-    let (fields, values, geometry) = (field_arrays(out), cell_arrays(out, n_cells)?, grid_arrays(out));
+    let (fields, values, geometry) = (field_arrays(out), cell_arrays(out, n_cells)?, grid_arrays(out, mid));
     let all: Vec<&Array> = fields.iter().chain(&values).chain(&geometry).collect();
     let raw = encoding == VtuEncoding::AppendedRaw && !confuses_meshio(&all);
 
@@ -87,7 +96,7 @@ pub fn write_as(out: &MeshView<'_>, encoding: VtuEncoding, w: &mut dyn Write) ->
         fields.iter().try_for_each(|a| element(a, w))?;
         writeln!(w, "</FieldData>")?;
     }
-    writeln!(w, "<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{n_cells}\">", mesh.points.len())?;
+    writeln!(w, "<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{n_cells}\">", n_points)?;
     if !values.is_empty() {
         writeln!(w, "<CellData>")?;
         values.iter().try_for_each(|a| element(a, w))?;
@@ -155,7 +164,10 @@ fn cell_arrays(out: &MeshView<'_>, n_cells: usize) -> Result<Vec<Array>, IoError
 }
 
 /// Points, connectivity, offsets, types.
-fn grid_arrays(out: &MeshView<'_>) -> Vec<Array> {
+fn grid_arrays(out: &MeshView<'_>, mid: Option<&MidNodes>) -> Vec<Array> {
+    if let Some(mid) = mid {
+        return quadratic_arrays(out, mid);
+    }
     let (mesh, nq, nt) = (out.mesh, out.mesh.quads.len(), out.mesh.triangles.len());
     let xyz = mesh.points.iter().flat_map(|p| [p.x, p.y, 0.0]);
     let corners = mesh.quads.iter().flatten().chain(mesh.triangles.iter().flatten()).map(|v| v.0);
@@ -170,6 +182,34 @@ fn grid_arrays(out: &MeshView<'_>) -> Vec<Array> {
         array("type=\"Int32\" Name=\"connectivity\"", bytes_of!(corners, 4 * nq + 3 * nt, i32)),
         array("type=\"Int32\" Name=\"offsets\"", bytes_of!(ends, nq + nt, i32)),
         array("type=\"UInt8\" Name=\"types\"", types.collect()),
+    ]
+}
+
+/// Points, connectivity, offsets, types of quadratic cells.
+fn quadratic_arrays(out: &MeshView<'_>, mid: &MidNodes) -> Vec<Array> {
+    let mesh = out.mesh;
+    let points = mesh.points.iter().copied().chain(mid.points());
+    let xyz = points.flat_map(|p| [p.x, p.y, 0.0]);
+    let (mut nodes, mut ends, mut types) = (Vec::new(), Vec::new(), Vec::new());
+    for (i, q) in mesh.quads.iter().enumerate() {
+        nodes.extend(mid.quad(i, q));
+        ends.push(nodes.len());
+        types.push(if mid.has_centres() { VTK_BIQUADRATIC_QUAD } else { VTK_QUADRATIC_QUAD });
+    }
+    for t in &mesh.triangles {
+        nodes.extend(mid.triangle(t));
+        ends.push(nodes.len());
+        types.push(VTK_QUADRATIC_TRIANGLE);
+    }
+    let array = |head: &str, bytes: Vec<u8>| Array { head: head.to_owned(), bytes };
+    vec![
+        array(
+            "type=\"Float64\" Name=\"Points\" NumberOfComponents=\"3\"",
+            bytes_of!(xyz, 3 * (mesh.points.len() + mid.n_nodes()), f64),
+        ),
+        array("type=\"Int32\" Name=\"connectivity\"", bytes_of!(nodes.iter().map(|v| v.0), nodes.len(), i32)),
+        array("type=\"Int32\" Name=\"offsets\"", bytes_of!(ends.iter().copied(), ends.len(), i32)),
+        array("type=\"UInt8\" Name=\"types\"", types),
     ]
 }
 
