@@ -3,6 +3,7 @@
 use crate::layers::{parse_law, parse_length};
 use clap::{ArgAction, Parser, Subcommand, ValueEnum, ValueHint};
 use csalf_core::{Method, Preset};
+use csalf_io::inp::InpElement;
 use csalf_pave::LayerLaw;
 use std::path::PathBuf;
 
@@ -101,6 +102,15 @@ pub struct MeshArgs {
     /// Worker threads, 0 for all cores; the mesh does not depend on it
     #[arg(long, value_name = "N")]
     pub threads: Option<usize>,
+    /// Order of the elements: 1, or 2 with mid-side nodes, on the curve where it is known
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=2))]
+    pub order: Option<u8>,
+    /// With --order 2: a ninth node at the centre of each quad
+    #[arg(long)]
+    pub centres: bool,
+    /// Elements of .inp files [default: shell]
+    #[arg(long, value_enum, value_name = "KIND")]
+    pub element: Option<ElementArg>,
     /// Format of all outputs, in place of their extensions: vtu, msh41, msh22, inp, bdf, obj, svg, png
     #[arg(long, value_name = "FORMAT")]
     pub format: Option<String>,
@@ -113,7 +123,7 @@ pub struct MeshArgs {
     /// Print one JSON object as the last line on standard output
     #[arg(long)]
     pub json: bool,
-    /// Write the full report, loop by loop, as JSON
+    /// Write the full report: a page to look at (.html), else JSON, loop by loop
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub report: Option<PathBuf>,
     /// Read and check everything, say what would be done, write nothing
@@ -187,6 +197,31 @@ impl From<MethodArg> for Method {
             MethodArg::Csalf => Self::Csalf,
             MethodArg::Paper => Self::Paper,
             MethodArg::Tqm => Self::Tqm,
+        }
+    }
+}
+
+/// `--element`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ElementArg {
+    /// S4, S3; S8R, S6
+    Shell,
+    /// CPS4, CPS3; CPS8, CPS6
+    PlaneStress,
+    /// CPE4, CPE3; CPE8, CPE6
+    PlaneStrain,
+    /// CAX4, CAX3; CAX8, CAX6; the axis is x = 0
+    Axisymmetric,
+}
+
+impl From<ElementArg> for InpElement {
+    fn from(e: ElementArg) -> Self {
+        match e {
+            ElementArg::Shell => Self::Shell,
+            ElementArg::PlaneStress => Self::PlaneStress,
+            ElementArg::PlaneStrain => Self::PlaneStrain,
+            ElementArg::Axisymmetric => Self::Axisymmetric,
         }
     }
 }

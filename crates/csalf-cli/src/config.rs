@@ -12,7 +12,7 @@
 //! outer = { count = 1, law = "geometric(1.2)", first = 0.05 }
 //! ```
 
-use crate::args::{MeshArgs, MethodArg, PresetArg};
+use crate::args::{ElementArg, MeshArgs, MethodArg, PresetArg};
 use crate::layers::{Layers, parse_law};
 use csalf_pave::LayerSpec;
 use serde::Deserialize;
@@ -35,6 +35,9 @@ struct Config {
     allow_triangles: Option<bool>,
     repair_parity: Option<bool>,
     threads: Option<usize>,
+    order: Option<u8>,
+    centres: Option<bool>,
+    element: Option<ElementArg>,
     format: Option<String>,
     input_format: Option<String>,
     json: Option<bool>,
@@ -107,6 +110,12 @@ pub fn merge(args: &MeshArgs, text: &str, folder: &Path) -> Result<(MeshArgs, La
     out.resample |= c.resample.unwrap_or(false);
     out.json |= c.json.unwrap_or(false);
     out.threads = out.threads.or(c.threads);
+    if let Some(n) = c.order.filter(|n| !(1..=2).contains(n)) {
+        return Err(format!("order = {n}: known are 1 and 2"));
+    }
+    out.order = out.order.or(c.order);
+    out.centres |= c.centres.unwrap_or(false);
+    out.element = out.element.or(c.element);
     out.format = out.format.or(c.format);
     out.input_format = out.input_format.or(c.input_format);
     out.report = out.report.or_else(|| c.report.map(place));

@@ -2,7 +2,7 @@
 //! what the caller says.
 
 use crate::exit::Failure;
-use csalf_io::{IoError, JobFormat, JobInput, MeshData, MeshFormat, MeshView};
+use csalf_io::{IoError, JobFormat, JobInput, MeshData, MeshFormat, MeshView, WriteOptions};
 use std::fs::File;
 use std::io::{BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
@@ -102,8 +102,8 @@ pub struct Output {
 ///
 /// # Errors
 /// [`Failure::Files`].
-pub fn write_mesh(view: &MeshView<'_>, out: &Output) -> Result<(), Failure> {
-    write(&out.path, |sink| csalf_io::write_mesh(out.format, view, sink))
+pub fn write_mesh(view: &MeshView<'_>, how: &WriteOptions<'_>, out: &Output) -> Result<(), Failure> {
+    write(&out.path, |sink| csalf_io::write_mesh_with(out.format, view, how, sink))
 }
 
 /// Writes what `fill` gives to a file or to standard output.

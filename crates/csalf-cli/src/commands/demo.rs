@@ -1,13 +1,14 @@
 //! `csalf demo`: a plate with a hole, without any file.
 
 use crate::args::DemoArgs;
-use crate::commands::mesh::{Request, mesh_one};
+use crate::commands::mesh::{Order, Request, mesh_one};
 use crate::exit::Failure;
 use crate::files::Output;
 use crate::say;
 use csalf_core::{Job, Options};
 use csalf_geom::{Domain, Point2};
 use csalf_io::MeshFormat;
+use csalf_io::inp::InpElement;
 use csalf_pave::{LayerLaw, LayerSpec};
 use csalf_sizemap::SizeSpec;
 
@@ -55,7 +56,15 @@ pub fn run(args: &DemoArgs, level: i32) -> Result<(), Failure> {
         Output { path: folder.join("demo.png"), format: MeshFormat::Png },
     ];
     let job = plate();
-    let request = Request { input: "demo", options: Options::default(), outputs: &outputs, level };
+    let request = Request {
+        input: "demo",
+        options: Options::default(),
+        outputs: &outputs,
+        level,
+        order: Order::First,
+        element: InpElement::default(),
+        geometry: None,
+    };
     let done = mesh_one(&job, &request)?;
     if level >= 0 {
         say::out(&done.summary())?;

@@ -13,10 +13,11 @@ use crate::files::{self, Output};
 use crate::outlines::{self, Wish};
 use crate::progress::{self, Progress};
 use crate::timing::{Seconds, timed};
-use crate::{config, json, layers, logging, say, summary};
+use crate::{config, json, layers, logging, page, say, summary};
 use csalf_core::{Job, Meshed, Options};
-use csalf_geom::{Point2, Tolerance};
-use csalf_io::{CellData, JobFormat, JobOptions, MeshView};
+use csalf_geom::{Geometry, Point2, Tolerance};
+use csalf_io::inp::InpElement;
+use csalf_io::{CellData, JobFormat, JobOptions, MeshView, MidNodes, WriteOptions};
 use csalf_mesh::quality::{QualityReport, scaled_jacobian};
 use csalf_sizemap::{Extras, SizeField};
 use serde_json::{Map, Value};
@@ -47,6 +48,15 @@ struct Plan {
     layers: layers::Layers,
 }
 
+impl Plan {
+    fn order(&self) -> Order {
+        match (self.args.order, self.args.centres) {
+            (Some(2), centres) => Order::Second { centres },
+            _ => Order::First,
+        }
+    }
+}
+
 /// Merges the command line with the `--config` file and settles the formats.
 fn settle(args: &MeshArgs) -> Result<Plan, Failure> {
     let (args, mut table) = match &args.config {
@@ -68,6 +78,9 @@ fn settle(args: &MeshArgs) -> Result<Plan, Failure> {
             return Err(Failure::Usage(format!("the output {} is named twice", path.display())));
         }
         outputs.push(Output { path: path.clone(), format });
+    }
+    if args.centres && args.order != Some(2) {
+        return Err(Failure::Usage("--centres goes with --order 2".into()));
     }
     if outputs.is_empty() && !args.dry_run && !args.json && args.report.is_none() {
         return Err(Failure::Usage(
@@ -114,7 +127,17 @@ fn execute(plan: &Plan, level: i32) -> Result<(), Failure> {
             .iter()
             .map(|o| Output { path: path_of(&o.path, &outline.name, k, n), ..o.clone() })
             .collect();
-        let request = Request { input: &input, options: options.clone(), outputs: &outputs, level };
+        let (order, element) = (plan.order(), plan.args.element.map(Into::into).unwrap_or_default());
+        let geometry = outline.geometry.as_ref();
+        let request = Request {
+            input: &input,
+            options: options.clone(),
+            outputs: &outputs,
+            level,
+            order,
+            element,
+            geometry,
+        };
         let result = match &outline.job {
             Ok(job) => mesh_one(job, &request),
             Err(defects) => Err(Failure::Invalid { input, defects: defects.clone() }),
@@ -207,6 +230,25 @@ pub struct Request<'a> {
     pub outputs: &'a [Output],
     /// Verbosity, -1 to 3.
     pub level: i32,
+    /// Order of the elements in the files.
+    pub order: Order,
+    /// Elements of `.inp` files.
+    pub element: InpElement,
+    /// The curves that the nodes of the job lie on, for mid-side nodes.
+    pub geometry: Option<&'a Geometry>,
+}
+
+/// Order of the elements in the files.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Order {
+    /// Corners alone.
+    #[default]
+    First,
+    /// Mid-side nodes, and with `centres` one in the middle of each quad.
+    Second {
+        /// Nine nodes per quad.
+        centres: bool,
+    },
 }
 
 /// One job, meshed and written.
@@ -222,6 +264,9 @@ pub struct Done {
     pub quality: QualityReport,
     /// Files written.
     pub outputs: Vec<Output>,
+    /// The sizes that were asked for; `None` if they cannot be built.
+    field: Option<Arc<dyn SizeField>>,
+    about: String,
 }
 
 impl Done {
@@ -275,17 +320,33 @@ pub fn mesh_one(job: &Job, request: &Request<'_>) -> Result<Done, Failure> {
         let cell_data = [scaled_jacobians(&meshed)];
         let view =
             MeshView { mesh: &meshed.mesh, sets: &meshed.sets, cell_data: &cell_data, title: &job.name };
+        let mid = match (request.order, request.geometry) {
+            (Order::First, _) => None,
+            (Order::Second { centres }, None) => Some(MidNodes::new(&meshed.mesh, centres)),
+            (Order::Second { centres }, Some(g)) => {
+                Some(MidNodes::on_curves(&meshed.mesh, &meshed.sets, g, centres))
+            }
+        };
+        let how = WriteOptions { mid: mid.as_ref(), element: request.element };
         for o in request.outputs {
-            files::write_mesh(&view, o)?;
+            files::write_mesh(&view, &how, o)?;
         }
     }
     let field = size_field(job, request.options.gradation);
     let quality = QualityReport::new(&meshed.mesh, field.as_deref(), job.local_region);
-    Ok(Done { name: job.name.clone(), meshed, seconds, quality, outputs: request.outputs.to_vec() })
+    Ok(Done {
+        name: job.name.clone(),
+        meshed,
+        seconds,
+        quality,
+        outputs: request.outputs.to_vec(),
+        field,
+        about: job.about.clone(),
+    })
 }
 
 /// The size field that the job asks for, to compare the mesh with; `None` if it cannot be built.
-pub(super) fn size_field(job: &Job, gradation: Option<f64>) -> Option<Arc<dyn SizeField>> {
+pub fn size_field(job: &Job, gradation: Option<f64>) -> Option<Arc<dyn SizeField>> {
     let loops: Vec<Vec<Point2>> = job.domain.loops.iter().map(|l| l.nodes.clone()).collect();
     let points: Vec<(Point2, f64)> = job.domain.points.iter().filter_map(|p| Some((p.xy, p.size?))).collect();
     let tolerance = Tolerance::of_points(loops.iter().flatten().copied());
@@ -311,8 +372,10 @@ fn finish(
     level: i32,
 ) -> Result<(), Failure> {
     if let Some(path) = &plan.args.report {
+        let is_page = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("html"));
         let all: Vec<Value> = done.iter().map(|d| Value::Object(d.entries(true))).collect();
-        let text = serde_json::to_string_pretty(&all).unwrap_or_default();
+        let text =
+            if is_page { page_of(done) } else { serde_json::to_string_pretty(&all).unwrap_or_default() };
         files::write(path, |sink| Ok(writeln!(sink, "{text}")?))?;
     }
     let to_stdout = plan.outputs.iter().any(|o| files::is_standard(&o.path));
@@ -328,6 +391,21 @@ fn finish(
         return Ok(());
     }
     several(failures, n_outlines)
+}
+
+/// The page of `--report FILE.html`.
+fn page_of(done: &[Done]) -> String {
+    let shown: Vec<page::Shown<'_>> = done
+        .iter()
+        .map(|d| page::Shown {
+            meshed: &d.meshed,
+            quality: &d.quality,
+            field: d.field.as_deref(),
+            entries: d.entries(true),
+            about: &d.about,
+        })
+        .collect();
+    page::page(&shown, &page::command_line())
 }
 
 /// One failure out of those of `n_outlines` outlines; more than one outline: each is reported here.

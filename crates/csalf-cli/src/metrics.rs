@@ -1,0 +1,63 @@
+//! One number per element: quads first, then triangles.
+
+use csalf_geom::Point2;
+use csalf_mesh::QuadMesh;
+use csalf_mesh::quality::{Corners, angles, aspect, jacobian_ratio, scaled_jacobian, shape, skew};
+use csalf_sizemap::{Hint, SizeField};
+
+/// Names of all metrics, in the order in which people are shown them.
+pub const NAMES: [&str; 9] = [
+    "scaled_jacobian",
+    "shape",
+    "skew",
+    "aspect_ratio",
+    "jacobian_ratio",
+    "min_angle",
+    "max_angle",
+    "area",
+    "size_ratio",
+];
+
+/// The values of a metric; NaN where it is not defined (of triangles, or without a size field). `None` if there is no
+/// such metric. Cost O(n), and one size query per element for `size_ratio`.
+pub fn values(mesh: &QuadMesh, name: &str, field: Option<&dyn SizeField>) -> Option<Vec<f64>> {
+    let nan = |_: &[Point2; 3]| f64::NAN;
+    Some(match name {
+        "scaled_jacobian" => each(mesh, scaled_jacobian::value, scaled_jacobian::of_triangle),
+        "shape" => each(mesh, shape::value, nan),
+        "skew" => each(mesh, skew::value, nan),
+        "aspect_ratio" => each(mesh, aspect::value, |p| aspect::of_corners(&Corners::new(p))),
+        "jacobian_ratio" => each(mesh, jacobian_ratio::value, nan),
+        "min_angle" => each(mesh, |p| angles::min_max(p).0, |p| angles::min_max(p).0),
+        "max_angle" => each(mesh, |p| angles::min_max(p).1, |p| angles::min_max(p).1),
+        "area" => each(mesh, |p| Corners::new(p).area, |p| Corners::new(p).area),
+        "size_ratio" => {
+            let Some(field) = field else {
+                return Some(vec![f64::NAN; mesh.n_quads() + mesh.triangles.len()]);
+            };
+            let hint = std::cell::Cell::new(Hint::default());
+            let ratio = |area: f64, centre: Point2| {
+                let mut here = hint.get();
+                let h = field.h(centre, &mut here);
+                hint.set(here);
+                area.max(0.0).sqrt() / h
+            };
+            each(
+                mesh,
+                |p| ratio(Corners::new(p).area, 0.25 * (p[0] + p[1] + p[2] + p[3])),
+                |p| ratio(Corners::new(p).area, (p[0] + p[1] + p[2]) / 3.0),
+            )
+        }
+        _ => return None,
+    })
+}
+
+fn each(
+    mesh: &QuadMesh,
+    quad: impl Fn(&[Point2; 4]) -> f64,
+    triangle: impl Fn(&[Point2; 3]) -> f64,
+) -> Vec<f64> {
+    let quads = mesh.quads.iter().map(|q| quad(&q.map(|v| mesh.points[v.index()])));
+    let triangles = mesh.triangles.iter().map(|t| triangle(&t.map(|v| mesh.points[v.index()])));
+    quads.chain(triangles).collect()
+}
