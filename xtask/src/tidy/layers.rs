@@ -1,7 +1,8 @@
 //! Who may import whom: strictly downward, never sideways.
 //!
 //! ```text
-//!   6  cli  python  bench                xtask and the testkit stand beside the tower:
+//!   7  py  bench                         xtask and the testkit stand beside the tower:
+//!   6  cli
 //!   5  surface  io                       xtask may see all; the testkit all up to io,
 //!   4  core                              and anyone may use it in tests
 //!   3  pave  subdiv  tfi  clean
@@ -29,7 +30,7 @@ const LAYERS: [(&str, u32); 15] = [
     ("csalf-io", 5),
     ("csalf-testkit", 6),
     ("csalf-cli", 6),
-    ("csalf-python", 6),
+    ("csalf-py", 7),
     ("csalf-bench", 7),
     ("xtask", 8),
 ];
