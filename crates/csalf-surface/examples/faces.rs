@@ -5,10 +5,12 @@
 #[path = "../tests/shapes/mod.rs"]
 mod shapes;
 
-use csalf_core::{Method, Options};
+use csalf_core::{Job, Method, Options};
+use csalf_geom::Domain;
 use csalf_surface::{DVec3, FaceInput, FaceMesh, FaceSize, Quality3d, mesh_face};
 use shapes::Shape;
 use std::fmt::Write as _;
+use std::time::Instant;
 
 fn obj(m: &FaceMesh) -> String {
     let mut out = String::new();
@@ -40,6 +42,32 @@ fn read_obj(file: &str) -> Shape {
             _ => {}
         }
     }
+    let loops = shapes::boundary(&facets, 1);
+    Shape { facets, loops }
+}
+
+/// A patch, tube or torus of 8 x 8 cells with spikes.
+fn rough(k: usize) -> Shape {
+    let mut seed = 12345u64;
+    let z: Vec<f64> = (0..81)
+        .map(|_| {
+            seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (seed >> 33) as f64 / f64::from(1u32 << 30) - 1.0
+        })
+        .collect();
+    let facets = shapes::grid(8, 8, (k > 0, k > 1), |s, t| {
+        let i = (8.0 * t).round() as usize * 9 + (8.0 * s).round() as usize;
+        let (a, b) = (std::f64::consts::TAU * s, std::f64::consts::TAU * t);
+        let bump = 0.18 * z[i];
+        match k {
+            0 => DVec3::new(s, t, bump),
+            1 => DVec3::new((1.0 + bump) * a.cos(), (1.0 + bump) * a.sin(), 3.0 * t),
+            _ => {
+                let r = 3.0 + (1.0 + bump) * b.cos();
+                DVec3::new(r * a.cos(), r * a.sin(), (1.0 + bump) * b.sin())
+            }
+        }
+    });
     let loops = shapes::boundary(&facets, 1);
     Shape { facets, loops }
 }
@@ -80,7 +108,50 @@ fn fig5() {
     }
 }
 
+/// CPU-bound time of small faces beside that of the planar mesher alone, in this thread.
+fn speed() {
+    let flat = shapes::disc(6, |x, y| DVec3::new(x, y, 0.0));
+    let bent = shapes::gutter(1.5, 2.0, 24, 12);
+    let plane = Shape { loops: shapes::boundary(&flat, 1), facets: flat };
+    let dome = shapes::cap(0.8, 6, 1);
+    for (name, s) in [("disc", &plane), ("cylinder", &bent), ("cap", &dome)] {
+        let input = FaceInput {
+            facets: &s.facets,
+            loops: &s.loops,
+            scars: &[],
+            points: &[],
+            size: FaceSize::Boundary,
+            flat: None,
+            surface: None,
+        };
+        let outline = s.loops[0].nodes.iter().map(|&v| s.facets.points[v as usize]);
+        let outline = outline.map(|p| match name {
+            "cylinder" => glam::DVec2::new(p.y.atan2(p.x), p.z),
+            _ => p.truncate(),
+        });
+        let job = Job { domain: Domain::new(outline.collect()), ..Job::default() };
+        let mut best = [f64::INFINITY; 2];
+        let mut n = 0;
+        for _ in 0..5 {
+            let t = Instant::now();
+            for _ in 0..40 {
+                n = mesh_face(&input, &Options::default()).map_or(0, |m| m.quads.len());
+            }
+            best[0] = best[0].min(t.elapsed().as_secs_f64() / 40.0);
+            let t = Instant::now();
+            for _ in 0..40 {
+                let _ = csalf_core::mesh(&job, &Options::default());
+            }
+            best[1] = best[1].min(t.elapsed().as_secs_f64() / 40.0);
+        }
+        println!("{name}: {n} quads, face {:.0} us, plane alone {:.0} us", 1e6 * best[0], 1e6 * best[1]);
+    }
+}
+
 fn main() {
+    if std::env::args().nth(1).is_some_and(|a| a == "speed") {
+        return speed();
+    }
     fig5();
     let args: Vec<String> = std::env::args().skip(1).collect();
     let mut cases: Vec<(&str, Shape, FaceSize<'static>)> = vec![
@@ -95,6 +166,9 @@ fn main() {
         ("sphere", shapes::ball(16, |d| d), FaceSize::Uniform(0.12)),
         ("beast", shapes::beast(32), FaceSize::Uniform(0.1)),
     ];
+    for (k, name) in ["rough0", "rough1", "rough2"].into_iter().enumerate() {
+        cases.push((name, rough(k), if k == 2 { FaceSize::Uniform(0.5) } else { FaceSize::Boundary }));
+    }
     if let (Some(file), Some(size)) = (args.get(2), args.get(3)) {
         let h = size.parse().unwrap_or(0.1);
         cases.push(("file", read_obj(file), FaceSize::Uniform(h)));
@@ -112,7 +186,7 @@ fn main() {
             flat: None,
             surface: None,
         };
-        let start = std::time::Instant::now();
+        let start = Instant::now();
         match mesh_face(&input, &Options::default()) {
             Ok(m) => {
                 let (r, q) = (&m.report, &m.report.quality);

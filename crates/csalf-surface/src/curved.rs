@@ -28,6 +28,10 @@ use glam::DVec2;
 const COARSE: f64 = 0.35;
 /// Most facets after dividing.
 const MAX_FACETS: usize = 60_000;
+/// Most times that the facets are divided.
+const MAX_LEVELS: usize = 3;
+/// Times that the seams are given more nodes, if pieces touch in a way that their meshes do not fit.
+const RETRIES: usize = 3;
 /// Most charts of one face.
 const MAX_CHARTS: usize = 400;
 /// Quads that a closed surface without any size gets, about.
@@ -38,6 +42,8 @@ struct Face {
     patch: Patch,
     /// Wanted length in space, per vertex.
     sizes: Vec<f64>,
+    /// The facets are not divided any more.
+    is_fine: bool,
     /// Scars as chains of vertices, with those that are no nodes.
     scars: Vec<Vec<u32>>,
     on_scar: Vec<bool>,
@@ -56,18 +62,34 @@ struct Piece {
 
 pub(crate) fn curved(input: &FaceInput<'_>, options: &Options) -> Result<FaceMesh, FaceError> {
     let mut face = Face::new(input, options)?;
+    face.check_boundary(input)?;
     let mut given = input.flat;
     let (pieces, cut) = loop {
         match divide(&face, given) {
             Ok(Some(done)) => break done,
             Ok(None) => {
-                face.refine()?;
+                for _ in 0..MAX_LEVELS {
+                    if face.is_coarse() {
+                        face.refine()?;
+                    }
+                }
+                face.is_fine = true;
                 given = None;
             }
             Err(e) => return Err(e),
         }
     };
-    face.mesh(input, options, &pieces, &cut)
+    let mut refused = None;
+    for attempt in 0..RETRIES {
+        match face.mesh(input, options, &pieces, &cut, attempt) {
+            Ok(out) => return Ok(out),
+            Err(e @ (FaceError::Internal { .. } | FaceError::Planar { .. })) if pieces.len() > 1 => {
+                refused.get_or_insert(e);
+            }
+            Err(e) => return Err(e),
+        }
+    }
+    Err(refused.unwrap_or(FaceError::NoArea))
 }
 
 impl Face {
@@ -86,6 +108,7 @@ impl Face {
         let mut out = Self {
             patch,
             sizes,
+            is_fine: false,
             scars: input.scars.to_vec(),
             on_scar: Vec::new(),
             in_scar: Vec::new(),
@@ -242,7 +265,7 @@ fn divide(face: &Face, given: Option<&[DVec2]>) -> Result<Option<Atlas>, FaceErr
             pieces.push(Piece { chart, map });
             continue;
         }
-        if face.is_coarse() {
+        if !face.is_fine && face.is_coarse() {
             return Ok(None);
         }
         let done = !many && cut_chart(patch, &chart, &bounds, &mut cut);
@@ -277,6 +300,7 @@ impl Face {
         options: &Options,
         pieces: &[Piece],
         cut: &[bool],
+        attempt: usize,
     ) -> Result<FaceMesh, FaceError> {
         let patch = &self.patch;
         let nodes = given_nodes(input);
@@ -284,8 +308,9 @@ impl Face {
         for (k, p) in pieces.iter().enumerate() {
             p.chart.facets.iter().for_each(|&t| chart_of[t as usize] = k as u32);
         }
-        let n_real = self.real_segments(input, pieces)?;
-        let seams = place(patch, cut, &self.sizes, &chart_of, self.node_at.clone(), nodes.len(), &n_real)?;
+        let n_real = self.real_segments(input, pieces.iter().map(|p| &p.chart))?;
+        let seams =
+            place(patch, cut, &self.sizes, &chart_of, self.node_at.clone(), nodes.len(), &n_real, attempt)?;
 
         let mut sheet = Sheet::default();
         let ground = Ground { patch, normals: patch.normals(), facets: input.facets, surface: input.surface };
@@ -341,9 +366,23 @@ impl Face {
         Ok(out)
     }
 
+    /// The boundary of the facets must be the loops, before any work is done.
+    fn check_boundary(&self, input: &FaceInput<'_>) -> Result<(), FaceError> {
+        let cut = vec![false; self.patch.twin.len()];
+        let mut scratch = vec![NONE; self.patch.triangles.len()];
+        let parts = components(&self.patch, &cut, None);
+        let charts: Vec<Chart> =
+            parts.into_iter().map(|t| Chart::new(&self.patch, &cut, t, &mut scratch)).collect();
+        self.real_segments(input, charts.iter()).map(|_| ())
+    }
+
     /// Given segments on the contour of each chart. Also: every run of boundary sides between two nodes must be a
     /// segment of a loop.
-    fn real_segments(&self, input: &FaceInput<'_>, pieces: &[Piece]) -> Result<Vec<usize>, FaceError> {
+    fn real_segments<'c>(
+        &self,
+        input: &FaceInput<'_>,
+        charts: impl Iterator<Item = &'c Chart>,
+    ) -> Result<Vec<usize>, FaceError> {
         let mut after = vec![(NONE, NONE); self.patch.points.len()];
         for l in input.loops {
             for (i, &v) in l.nodes.iter().enumerate() {
@@ -351,10 +390,9 @@ impl Face {
                     (l.nodes[(i + 1) % l.nodes.len()], l.nodes[(i + l.nodes.len() - 1) % l.nodes.len()]);
             }
         }
-        let mut out = Vec::with_capacity(pieces.len());
+        let mut out = Vec::new();
         let mut total = 0;
-        for p in pieces {
-            let c = &p.chart;
+        for c in charts {
             let mut n = 0;
             for l in &c.loops {
                 let at = |h: u32| c.vertex[c.tail(h) as usize];

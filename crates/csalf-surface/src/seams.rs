@@ -40,7 +40,8 @@ pub(crate) struct Seams {
 }
 
 /// Places nodes on all cuts. `node_at`: given nodes; `n_given`: their number; `n_real`: per chart, number of given
-/// segments on its contour.
+/// segments on its contour; `attempt`: 0, then more for more nodes on short chains.
+#[allow(clippy::too_many_arguments, reason = "one call, and all of it is context")]
 pub(crate) fn place(
     patch: &Patch,
     cut: &[bool],
@@ -49,9 +50,15 @@ pub(crate) fn place(
     node_at: Vec<u32>,
     n_given: usize,
     n_real: &[usize],
+    attempt: usize,
 ) -> Result<Seams, FaceError> {
     let mut chains = chains(patch, cut, sizes, chart_of, &node_at);
-    relieve(patch, &mut chains, &node_at);
+    if attempt == 0 {
+        relieve(patch, &mut chains, &node_at);
+    }
+    for c in &mut chains {
+        c.n = c.n.max(c.least << attempt);
+    }
     balance(&mut chains, n_real)?;
     let mut out = Seams { node_at, ..Seams::default() };
     let mut id = n_given as u32;

@@ -36,8 +36,8 @@ pub(crate) const MAX_SCALE_RANGE: f64 = 5.0;
 /// Integral of |K| beyond which a chart is cut at once: that of a spherical cap whose conformal map has a scale range of
 /// 5 (3.2 pi), and a little more.
 const MAX_CURVATURE: f64 = 3.5 * std::f64::consts::PI;
-/// Charts of more vertices are cut rather than relaxed: 25 solves of them would take seconds.
-const MAX_RELAXED: usize = 10_000;
+/// Charts of more vertices are cut rather than relaxed, where they can be: 25 solves of them would take a second.
+const MAX_RELAXED: usize = 2_500;
 
 /// A chart in the plane.
 #[derive(Clone, Debug)]
