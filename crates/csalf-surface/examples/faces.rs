@@ -166,6 +166,15 @@ fn main() {
         ("sphere", shapes::ball(16, |d| d), FaceSize::Uniform(0.12)),
         ("beast", shapes::beast(32), FaceSize::Uniform(0.1)),
     ];
+    let mut spike = Shape {
+        facets: shapes::grid(8, 8, (false, false), |s, t| DVec3::new(s, t, 0.3 * (5.0 * s).sin() * t)),
+        loops: Vec::new(),
+    };
+    spike.loops = shapes::boundary(&spike.facets, 1);
+    for (v, d) in [(2, 0.050723326236938676), (11, 1.5074577791973205)] {
+        spike.facets.points[v] += DVec3::new(d, -d, 0.5 * d);
+    }
+    cases.push(("spike", spike, FaceSize::Boundary));
     for (k, name) in ["rough0", "rough1", "rough2"].into_iter().enumerate() {
         cases.push((name, rough(k), if k == 2 { FaceSize::Uniform(0.5) } else { FaceSize::Boundary }));
     }

@@ -6,7 +6,7 @@
 //! 6. Certificate and figures.
 
 use crate::cut::{Bounds, cut_chart};
-use crate::face::{given_nodes, mesh, of_planar_piece};
+use crate::face::{constant, given_nodes, mesh, of_planar_piece};
 use crate::flatten::map::scales;
 use crate::flatten::{Flattened, extend, flatten};
 use crate::heal::heal;
@@ -16,7 +16,7 @@ use crate::quality::measure;
 use crate::seams::{Seams, place};
 use crate::sheet::{Ground, Sheet};
 use crate::smooth::smooth;
-use crate::{FaceError, FaceInput, FaceMesh, FaceSize, Flattening, LayerRing};
+use crate::{FaceError, FaceInput, FaceMesh, FaceSize, LayerRing};
 use csalf_core::{Job, Options};
 use csalf_geom::{HardPoint, Loop, LoopKind, Point2, Scar, VertexId};
 use csalf_mesh::QuadTopology;
@@ -40,7 +40,7 @@ const DEFAULT_QUADS: f64 = 600.0;
 /// The face with what belongs to its vertices and half-sides.
 struct Face {
     patch: Patch,
-    /// Wanted length in space, per vertex.
+    /// Wanted length in space, per vertex; empty until they are needed (an unrolled face without cuts does not).
     sizes: Vec<f64>,
     /// The facets are not divided any more.
     is_fine: bool,
@@ -61,13 +61,15 @@ struct Piece {
 }
 
 pub(crate) fn curved(input: &FaceInput<'_>, options: &Options) -> Result<FaceMesh, FaceError> {
-    let mut face = Face::new(input, options)?;
+    let mut face = Face::new(input)?;
     face.check_boundary(input)?;
+    let isometric = |pieces: &[Piece]| pieces.iter().all(|p| p.map.is_isometric());
     let mut given = input.flat;
     let (pieces, cut) = loop {
         match divide(&face, given) {
             Ok(Some(done)) => break done,
             Ok(None) => {
+                face.fill_sizes(input, options);
                 for _ in 0..MAX_LEVELS {
                     if face.is_coarse() {
                         face.refine()?;
@@ -79,6 +81,9 @@ pub(crate) fn curved(input: &FaceInput<'_>, options: &Options) -> Result<FaceMes
             Err(e) => return Err(e),
         }
     };
+    if !isometric(&pieces) {
+        face.fill_sizes(input, options);
+    }
     let mut refused = None;
     for attempt in 0..RETRIES {
         match face.mesh(input, options, &pieces, &cut, attempt) {
@@ -93,7 +98,7 @@ pub(crate) fn curved(input: &FaceInput<'_>, options: &Options) -> Result<FaceMes
 }
 
 impl Face {
-    fn new(input: &FaceInput<'_>, options: &Options) -> Result<Self, FaceError> {
+    fn new(input: &FaceInput<'_>) -> Result<Self, FaceError> {
         let patch = Patch::new(input.facets)?;
         let n = patch.points.len();
         let mut node_at = vec![NONE; n];
@@ -104,10 +109,9 @@ impl Face {
         for (k, l) in input.loops.iter().enumerate() {
             l.nodes.iter().for_each(|&v| loop_of[v as usize] = k as u32);
         }
-        let sizes = sizes(input, options, &patch);
         let mut out = Self {
             patch,
-            sizes,
+            sizes: Vec::new(),
             is_fine: false,
             scars: input.scars.to_vec(),
             on_scar: Vec::new(),
@@ -117,6 +121,12 @@ impl Face {
         };
         out.find_scars()?;
         Ok(out)
+    }
+
+    fn fill_sizes(&mut self, input: &FaceInput<'_>, options: &Options) {
+        if self.sizes.is_empty() {
+            self.sizes = sizes(input, options, &self.patch);
+        }
     }
 
     /// Marks the half-sides and vertices of scars.
@@ -265,7 +275,7 @@ fn divide(face: &Face, given: Option<&[DVec2]>) -> Result<Option<Atlas>, FaceErr
             pieces.push(Piece { chart, map });
             continue;
         }
-        if !face.is_fine && face.is_coarse() {
+        if !face.is_fine {
             return Ok(None);
         }
         let done = !many && cut_chart(patch, &chart, &bounds, &mut cut);
@@ -343,8 +353,7 @@ impl Face {
         }
         let topology = self.certify(input, &sheet)?;
         let seeds: Vec<u32> = (nodes.len() as u32..n_on_curves as u32).collect();
-        let isometric = |p: &Piece| matches!(p.map.how, Flattening::Plane | Flattening::Unrolled);
-        if !seeds.is_empty() || !pieces.iter().all(isometric) {
+        if !seeds.is_empty() || !pieces.iter().all(|p| p.map.is_isometric()) {
             let before = sheet.clone();
             smooth(&mut sheet, &ground, &topology, &seeds);
             let q = |s: &Sheet| measure(&s.points, &s.quads, |v| s.normals[v as usize]);
@@ -359,6 +368,15 @@ impl Face {
         r.n_charts = pieces.len();
         r.flattening = pieces.iter().map(|p| p.map.how).max().unwrap_or_default();
         r.anisotropy = pieces.iter().map(|p| p.map.verdict.anisotropy).fold(1.0, f64::max);
+        for (k, l) in input.loops.iter().enumerate() {
+            if let Some(spec) = &l.layers
+                && spec.count > 0
+                && r.layers[k].0 == 0
+            {
+                r.layers[k] = (spec.count, 0, "a cut of the face ends at the loop".into());
+            }
+        }
+        r.max_angle_error = pieces.iter().map(|p| p.map.verdict.angle_error).fold(0.0, f64::max);
         r.scale_range = pieces.iter().map(|p| p.map.verdict.scale_range).fold(1.0, f64::max);
         r.quality = measure(&sheet.points, &sheet.quads, |v| sheet.normals[v as usize]);
         r.quality.max_deviation = deviation(&sheet, &ground);
@@ -502,7 +520,9 @@ impl Face {
             first.extend(&c.flat);
         }
         self.add_interior(input, piece, seams, &mut job, &mut ids, &mut first);
-        let options = Options { gradation: None, ..options.clone() };
+        // Sizes per vertex are limited in space already.
+        let gradation = if self.sizes.is_empty() { options.gradation } else { None };
+        let options = Options { gradation, ..options.clone() };
         let meshed = mesh(&job, &options).map_err(|e| of_planar_piece(self.middle_of(chart), e))?;
         if meshed.mesh.points.len() < first.len() || meshed.mesh.points[..first.len()] != first[..] {
             return Err(FaceError::Internal { stage: "contour", detail: "nodes were renumbered".into() });
@@ -541,11 +561,17 @@ impl Face {
 
     /// Sizes of a chart in the plane.
     fn size_spec(&self, input: &FaceInput<'_>, piece: &Piece) -> SizeSpec {
-        let isometric = matches!(piece.map.how, Flattening::Plane | Flattening::Unrolled);
-        match input.size {
-            FaceSize::Uniform(h) if isometric => return SizeSpec::Uniform { h },
-            FaceSize::Boundary if isometric && !input.loops.is_empty() => return SizeSpec::Boundary,
-            _ => {}
+        if piece.map.is_isometric() {
+            match input.size {
+                FaceSize::Uniform(h) => return SizeSpec::Uniform { h: h * piece.map.verdict.mean_scale },
+                FaceSize::Vertices(list) => {
+                    if let Some(h) = constant(list) {
+                        return SizeSpec::Uniform { h: h * piece.map.verdict.mean_scale };
+                    }
+                }
+                FaceSize::Boundary if self.sizes.is_empty() => return SizeSpec::Boundary,
+                FaceSize::Boundary => {}
+            }
         }
         let scale = scales(&piece.chart, &piece.map.flat);
         SizeSpec::Background {

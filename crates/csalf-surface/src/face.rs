@@ -135,7 +135,7 @@ fn planar(input: &FaceInput<'_>, frame: &Frame, options: &Options) -> Result<Fac
 }
 
 /// The one size of a list.
-fn constant(h: &[f64]) -> Option<f64> {
+pub(crate) fn constant(h: &[f64]) -> Option<f64> {
     let first = *h.first()?;
     h.iter().all(|&x| x == first).then_some(first)
 }

@@ -58,6 +58,9 @@ pub struct FaceReport {
     pub anisotropy: f64,
     /// Ratio of the largest to the smallest local scale of the flattening (99 % of the area).
     pub scale_range: f64,
+    /// Largest difference (degrees) between the angle of the material at a vertex of a contour in space and in the
+    /// plane, where the planar mesher sees it.
+    pub max_angle_error: f64,
     /// Vertices for which the surface gave no usable point; they stay on their facet.
     pub n_unprojected: usize,
     /// Places that were meshed again across seams.

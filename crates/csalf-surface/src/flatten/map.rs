@@ -53,6 +53,10 @@ pub(crate) struct Verdict {
     pub(crate) anisotropy: f64,
     /// Largest over smallest local scale, without 1 % of the area at both ends.
     pub(crate) scale_range: f64,
+    /// Mean local scale, plane over space.
+    pub(crate) mean_scale: f64,
+    /// Largest difference (degrees) of the material's angle at boundary vertices, plane against space.
+    pub(crate) angle_error: f64,
     /// The boundary crosses itself.
     pub(crate) overlaps: bool,
 }
@@ -62,6 +66,8 @@ pub(crate) fn judge(chart: &Chart, flat: &Flat) -> Verdict {
     let needle = NEEDLE * chart.diagonal();
     let mut n_flipped = 0;
     let mut list = Vec::with_capacity(chart.triangles.len());
+    let mut turn = vec![0f64; chart.vertex.len()];
+    let mut plane_area = 0.0;
     for t in &chart.triangles {
         let p = t.map(|v| chart.points[v as usize]);
         let u = t.map(|v| flat[v as usize]);
@@ -74,6 +80,12 @@ pub(crate) fn judge(chart: &Chart, flat: &Flat) -> Verdict {
             continue;
         }
         let (s1, s2) = singular(jacobian(&g, u));
+        plane_area += (u[1] - u[0]).perp_dot(u[2] - u[0]);
+        for k in 0..3 {
+            let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+            let (a, b, c, d) = (p[i] - p[k], p[j] - p[k], u[i] - u[k], u[j] - u[k]);
+            turn[t[k] as usize] += a.cross(b).length().atan2(a.dot(b)) - c.perp_dot(d).atan2(c.dot(d));
+        }
         if s2 > 0.0 && !thin {
             list.push((s1 / s2, (s1 * s2).sqrt(), twice));
         }
@@ -84,7 +96,10 @@ pub(crate) fn judge(chart: &Chart, flat: &Flat) -> Verdict {
     list.sort_unstable_by(|a, b| a.1.total_cmp(&b.1));
     let (lo, hi) = (quantile(&list, 0.01 * total, |x| x.1), quantile(&list, 0.99 * total, |x| x.1));
     let overlaps = n_flipped == 0 && crosses(chart, flat);
-    Verdict { n_flipped, anisotropy, scale_range: hi / lo, overlaps }
+    let at_rim = chart.loops.iter().flatten().map(|&h| turn[chart.tail(h) as usize].abs());
+    let angle_error = at_rim.fold(0.0, f64::max).to_degrees();
+    let mean_scale = if total > 0.0 { (plane_area / total).sqrt() } else { 1.0 };
+    Verdict { n_flipped, anisotropy, scale_range: hi / lo, mean_scale, angle_error, overlaps }
 }
 
 /// The first value at which the areas sum to `at`.

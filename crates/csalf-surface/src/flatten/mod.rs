@@ -47,6 +47,15 @@ pub(crate) struct Flattened {
     pub(crate) verdict: Verdict,
 }
 
+impl Flattened {
+    /// Lengths are kept, all in one proportion, to within what a size field can show.
+    pub(crate) fn is_isometric(&self) -> bool {
+        /// *Arbitrary*: the chords of facets of 40 degrees are shorter than their arcs by so much.
+        const SAME: f64 = 1.02;
+        self.verdict.anisotropy < SAME && self.verdict.scale_range < SAME
+    }
+}
+
 /// Flattens a chart; `None` if it must be cut first. `given`: flat coordinates per vertex of the patch. With
 /// `last_resort` the distortion does not matter, only that nothing is turned over.
 pub(crate) fn flatten(chart: &Chart, given: Option<&[DVec2]>, last_resort: bool) -> Option<Flattened> {
@@ -171,3 +180,6 @@ fn assemble(
     }
     flat.iter().all(|p| p.is_finite()).then_some(())
 }
+
+#[cfg(test)]
+mod tests;
