@@ -2,6 +2,7 @@
 //! [`Task`] and a line in [`main`].
 
 mod ci;
+mod compare;
 mod completions;
 mod generated;
 mod man;
@@ -58,6 +59,8 @@ enum Task {
     Reduce(reduce::ReduceArgs),
     /// Mesh all fixtures and compare with their committed figures
     Regress(regress::RegressArgs),
+    /// Time csalf, and gmsh where there is one, on the same jobs, and write docs/benchmarks.md
+    Compare(compare::CompareArgs),
 }
 
 fn main() -> ExitCode {
@@ -71,6 +74,7 @@ fn main() -> ExitCode {
         Task::Stress(args) => stress::run(&root(), &args),
         Task::Reduce(args) => reduce::run(&root(), &args),
         Task::Regress(args) => regress::run(&root(), &args),
+        Task::Compare(args) => compare::run(&root(), &args),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
