@@ -1,7 +1,8 @@
 //! Inputs of the benchmarks: made by formula, the same on every machine. Run with `cargo bench -p csalf-bench`.
 
 use csalf_core::Job;
-use csalf_geom::{Domain, Point2};
+use csalf_geom::{Domain, Point2, VertexId};
+use csalf_mesh::QuadMesh;
 use csalf_pave::{LayerLaw, LayerSpec};
 use csalf_sizemap::{Background, SizeSpec, Source};
 use serde_json::Value;
@@ -27,6 +28,27 @@ pub fn wavy_loop(n: usize) -> Vec<Point2> {
         Point2::from_angle(a) * (1.0 + 0.1 * (7.0 * a).sin())
     };
     (0..n).map(at).collect()
+}
+
+/// A grid of `n` x `n` unit quads whose inner vertices are moved by up to `by`.
+pub fn shaken_grid(n: usize, by: f64) -> QuadMesh {
+    let mut rnd = Random(5);
+    let mut mesh = QuadMesh::default();
+    for j in 0..=n {
+        for i in 0..=n {
+            let inner = i > 0 && j > 0 && i < n && j < n;
+            let shift =
+                Point2::new(rnd.number() - 0.5, rnd.number() - 0.5) * if inner { 2.0 * by } else { 0.0 };
+            mesh.points.push(Point2::new(i as f64, j as f64) + shift);
+        }
+    }
+    let at = |i: usize, j: usize| VertexId::new(j * (n + 1) + i);
+    for j in 0..n {
+        for i in 0..n {
+            mesh.quads.push([at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]);
+        }
+    }
+    mesh
 }
 
 /// A square from -1 to 1 with `k` x `k` jittered nodes: about 2 k² triangles.
