@@ -91,6 +91,19 @@ struct Candidate {
     score: f64,
 }
 
+/// Sorts the best few candidates to the front, by score and then by nodes; returns how many. Most searches end before
+/// the rest is needed.
+fn sort_first(list: &mut [Candidate]) -> usize {
+    const FEW: usize = 48;
+    let by = |a: &Candidate, b: &Candidate| a.score.total_cmp(&b.score).then((a.j, a.k).cmp(&(b.j, b.k)));
+    let n = list.len().min(FEW);
+    if n < list.len() {
+        list.select_nth_unstable_by(n - 1, by);
+    }
+    list[..n].sort_unstable_by(by);
+    n
+}
+
 /// Reusable memory of the splitter.
 #[derive(Debug, Default)]
 pub(crate) struct Splitter {
@@ -141,14 +154,18 @@ impl Splitter {
         } else {
             self.by_pairs(view, rules, strict);
         }
-        self.candidates
-            .sort_unstable_by(|a, b| a.score.total_cmp(&b.score).then((a.j, a.k).cmp(&(b.j, b.k))));
-        self.candidates.dedup_by_key(|c| (c.j, c.k));
         // With one wanted, no candidate much worse on the cheap score than the best so far can still win.
         let slack = if wanted == 1 { 0.02 } else { 0.30 };
         let mut examined = 0;
+        let mut sorted = 0;
         for c in 0..self.candidates.len() {
+            if c == sorted {
+                sorted += sort_first(&mut self.candidates[c..]);
+            }
             let Candidate { j, k, score } = self.candidates[c];
+            if c > 0 && (self.candidates[c - 1].j, self.candidates[c - 1].k) == (j, k) {
+                continue;
+            }
             if self.found.len() >= wanted
                 && (score > self.found[wanted - 1].phi + slack || examined >= 2 * wanted)
             {

@@ -64,6 +64,24 @@ impl Few {
     }
 }
 
+/// Rim (counter-clockwise) and inner vertices of a small disk.
+#[derive(Clone, Copy, Debug)]
+struct Around {
+    rim: [u32; MAX_RIM],
+    n_rim: usize,
+    inner: [u32; MOST],
+    n_inner: usize,
+}
+
+impl Around {
+    fn rim(&self) -> &[u32] {
+        &self.rim[..self.n_rim]
+    }
+    fn inner(&self) -> &[u32] {
+        &self.inner[..self.n_inner]
+    }
+}
+
 impl Site<'_> {
     /// Replaces a small disk around `seed` by one of lower potential, if there is a good one. Returns how many were
     /// tried and whether one was taken; `near` receives the vertices whose surroundings changed.
@@ -88,10 +106,11 @@ impl Site<'_> {
             if !self.failed.insert(key) {
                 continue;
             }
-            let Some((rim, _)) = self.small_rim(&c.quads[..c.n_quads]) else { continue };
+            let Some(around) = self.small_rim(&c.quads[..c.n_quads]) else { continue };
+            let rim = around.rim();
             let Some(disk) = disks(rim.len()).get(c.disk as usize) else { continue };
             cavity.rim.clear();
-            cavity.rim.extend(rim.iter());
+            cavity.rim.extend_from_slice(rim);
             let patch = self.patch_of(disk, &cavity.rim);
             let samples: Vec<Point2> = cavity.rim.iter().map(|&v| self.mesh.point(v)).collect();
             if self.judge(cavity, &patch, c.gain, &samples, false, near, &mut tries) {
@@ -169,7 +188,7 @@ impl Site<'_> {
 
     /// Rim (counter-clockwise) and inner vertices of a few quads; `None` if they are no disk, too large, or may not
     /// be edited.
-    fn small_rim(&self, quads: &[u32]) -> Option<(Vec<u32>, Vec<u32>)> {
+    fn small_rim(&self, quads: &[u32]) -> Option<Around> {
         let mut edges = [(0u32, 0u32); MAX_RIM];
         let mut n = 0;
         for &q in quads {
@@ -193,25 +212,28 @@ impl Site<'_> {
             }
         }
         let edges = &edges[..n];
-        let mut rim = Vec::with_capacity(n);
+        let mut out = Around { rim: [0; MAX_RIM], n_rim: 0, inner: [0; MOST], n_inner: 0 };
         let mut v = edges.first()?.0;
         for _ in 0..n {
-            if rim.contains(&v) {
+            if out.rim().contains(&v) {
                 return None;
             }
-            rim.push(v);
+            out.rim[out.n_rim] = v;
+            out.n_rim += 1;
             v = edges.iter().find(|e| e.0 == v)?.1;
         }
-        if v != rim[0] {
+        if v != out.rim[0] {
             return None;
         }
-        let mut inner: Vec<u32> =
-            quads.iter().flat_map(|&q| self.mesh.quad(q)).filter(|v| !rim.contains(v)).collect();
-        inner.sort_unstable();
-        inner.dedup();
+        for v in quads.iter().flat_map(|&q| self.mesh.quad(q)) {
+            if !out.rim().contains(&v) && !out.inner().contains(&v) {
+                *out.inner.get_mut(out.n_inner)? = v;
+                out.n_inner += 1;
+            }
+        }
         // Euler: a disk. A boundary vertex inside would be one that the boundary passes twice.
-        let disk = 2 * quads.len() + 2 == n + 2 * inner.len();
-        (disk && inner.iter().all(|&v| self.is_free(v))).then_some((rim, inner))
+        let disk = 2 * quads.len() + 2 == n + 2 * out.n_inner;
+        (disk && out.inner().iter().all(|&v| self.is_free(v))).then_some(out)
     }
 
     /// Step 2.
@@ -219,7 +241,8 @@ impl Site<'_> {
         if few.full {
             return None;
         }
-        let (rim, inner) = self.small_rim(few.list())?;
+        let around = self.small_rim(few.list())?;
+        let (rim, inner) = (around.rim(), around.inner());
         let n = rim.len();
         let mut now: u32 = inner.iter().map(|&v| INNER * weight(self.mesh.valence(v), 4)).sum();
         // cost[i][d]: potential of rim vertex i with d quads inside.
