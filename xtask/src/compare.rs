@@ -314,7 +314,12 @@ fn page(rows: &[(String, Option<f64>)], gmsh: Option<&str>, args: &CompareArgs) 
          csalf's, then gmsh's. Times: processor time of the meshing alone in a process of its own, the least of {} runs, \
          microseconds per element; ratio: elements per processor second, csalf's over gmsh's. Memory: what the peak \
          of the process rose by. Irregular, size and row 1 in percent.\n\n",
-        if args.cases.is_some() { " --cases DIR" } else { "" },
+        match (&args.cases, args.only.is_empty()) {
+            (None, true) => "",
+            (None, false) => " --only NAMES",
+            (Some(_), true) => " --cases DIR",
+            (Some(_), false) => " --cases DIR --only NAMES",
+        },
         args.runs,
         args.runs,
     );
