@@ -195,7 +195,8 @@ class Mesh:
         element: str = "shell",
         cell_data: Mapping[str, ArrayLike] | None = None,
     ) -> None:
-        """Writes a file: .vtu, .msh (``format="msh22"`` for Gmsh 2.2), .inp, .bdf, .obj, .svg, .png. ``cell_data``
+        """Writes a file: .vtu, .msh (``format="msh22"`` for Gmsh 2.2), .inp, .bdf, .exo, .unv, .su2, .obj, .foam (a
+        case of OpenFOAM beside it), .svg, .png. ``cell_data``
         goes with formats that hold values; without it, the scaled Jacobian.
 
         ``order=2`` gives quadratic elements, with mid-side nodes on the curves where loops were given as curves; with

@@ -210,3 +210,122 @@ def test_jobs_from_files(plate: csalf.Mesh, tmp_path) -> None:
     plate.write(tmp_path / "plate.msh")
     (again,) = csalf.jobs(tmp_path / "plate.msh")
     assert {n for n, _, _ in again.loops()} == {"outer", "bolt", "slot"}
+
+
+def test_exodus(plate: csalf.Mesh, tmp_path) -> None:
+    pytest.importorskip("vtk", exc_type=(ImportError, OSError))
+    from vtkmodules.vtkIOExodus import vtkExodusIIReader
+
+    path = tmp_path / "plate.exo"
+    plate.write(path)
+    reader = vtkExodusIIReader()
+    reader.SetFileName(str(path))
+    reader.UpdateInformation()
+    kinds = {"block": reader.ELEM_BLOCK, "nodes": reader.NODE_SET, "sides": reader.SIDE_SET, "quads": reader.ELEM_SET}
+    names = {
+        what: [reader.GetObjectName(kind, k) for k in range(reader.GetNumberOfObjects(kind))]
+        for what, kind in kinds.items()
+    }
+    assert names["block"] == ["quads"]
+    assert names["nodes"] == list(plate.node_sets)
+    assert names["sides"] == list(plate.edge_sets)
+    assert set(names["quads"]) == {n for n, q in plate.quad_sets.items() if len(q)}
+    for k in range(len(names["sides"])):
+        reader.SetObjectStatus(reader.SIDE_SET, k, 1)
+    reader.Update()
+    blocks = reader.GetOutput()
+    quads = blocks.GetBlock(0).GetBlock(0)
+    assert quads.GetNumberOfCells() == len(plate.quads) and quads.GetCellType(0) == 9
+    assert quads.GetNumberOfPoints() == len(plate.points)
+    sides = blocks.GetBlock(4)
+    bolt = sides.GetBlock(list(plate.edge_sets).index("bolt"))
+    assert bolt.GetNumberOfCells() == 16
+    rim = np.array([bolt.GetPoint(k)[:2] for k in range(bolt.GetNumberOfPoints())])
+    assert np.hypot(*(rim - (3, 4)).T) == pytest.approx(1)
+
+
+def test_exodus_by_netcdf(plate: csalf.Mesh, ring: csalf.Mesh, tmp_path) -> None:
+    netcdf = pytest.importorskip("scipy.io")
+    for mesh, kind, order, centres in ((plate, b"QUAD4", 1, False), (ring, b"QUAD8", 2, False), (ring, b"QUAD9", 2, True)):
+        mesh.write(tmp_path / "mesh.e", order=order, centres=centres)
+        with netcdf.netcdf_file(tmp_path / "mesh.e", mmap=False) as f:
+            connect = f.variables["connect1"]
+            assert connect.elem_type == kind
+            assert np.array_equal(connect[:, :4] - 1, mesh.quads)
+            n = len(mesh.points)
+            assert np.array_equal(f.variables["coordx"][:n], mesh.points[:, 0])
+            assert connect[:].max() == len(f.variables["coordy"][:])
+            names = [bytes(r).rstrip(b"\0").decode() for r in f.variables["ss_names"][:]]
+            assert names == list(mesh.edge_sets)
+            k = names.index("outer") + 1
+            elements, sides = f.variables[f"elem_ss{k}"][:] - 1, f.variables[f"side_ss{k}"][:] - 1
+            ends = np.stack([mesh.quads[elements, sides], mesh.quads[elements, (sides + 1) % 4]], 1)
+            assert np.array_equal(np.sort(ends), np.sort(mesh.edge_sets["outer"]))
+
+
+def test_su2(plate: csalf.Mesh, tmp_path) -> None:
+    meshio = pytest.importorskip("meshio")
+    path = tmp_path / "plate.su2"
+    plate.write(path)
+    m = meshio.read(path)
+    assert np.array_equal(m.cells_dict["quad"], plate.quads)
+    assert m.points[:, :2] == pytest.approx(plate.points, abs=0)
+    assert len(m.cells_dict["line"]) == len(plate.boundary)
+    text = path.read_text()
+    markers = [line.split("= ")[1] for line in text.splitlines() if line.startswith("MARKER_TAG")]
+    assert markers == ["outer", "bolt", "slot"], "the weld is not on the boundary"
+
+
+def test_unv(plate: csalf.Mesh, tmp_path) -> None:
+    gmsh = pytest.importorskip("gmsh", exc_type=(ImportError, OSError))
+    plate.write(tmp_path / "plate.unv")
+    gmsh.initialize(interruptible=False)
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        gmsh.open(str(tmp_path / "plate.unv"))
+        tags, _ = gmsh.model.mesh.getElementsByType(3)
+        assert len(tags) == len(plate.quads)
+        lines, _ = gmsh.model.mesh.getElementsByType(1)
+        assert len(lines) == sum(len(e) for e in plate.edge_sets.values())
+        _, xyz, _ = gmsh.model.mesh.getNodes()
+        assert np.sort(xyz.reshape(-1, 3)[:, 0]) == pytest.approx(np.sort(plate.points[:, 0]), abs=0)
+        names = {gmsh.model.getPhysicalName(*g) for g in gmsh.model.getPhysicalGroups()}
+        assert names >= {"outer", "bolt", "slot", "bolt_layer1"}
+    finally:
+        gmsh.finalize()
+
+
+def test_openfoam(plate: csalf.Mesh, tmp_path) -> None:
+    pytest.importorskip("vtk", exc_type=(ImportError, OSError))
+    from vtkmodules.vtkIOGeometry import vtkOpenFOAMReader
+
+    path = tmp_path / "case" / "plate.foam"
+    plate.write(path)
+    reader = vtkOpenFOAMReader()
+    reader.SetFileName(str(path))
+    reader.UpdateInformation()
+    reader.EnableAllPatchArrays()
+    reader.Update()
+    out = reader.GetOutput()
+    cells = out.GetBlock(0)
+    assert cells.GetNumberOfCells() == len(plate.quads)
+    assert {cells.GetCellType(k) for k in range(cells.GetNumberOfCells())} == {12}, "hexahedra"
+    names = [reader.GetPatchArrayName(k) for k in range(reader.GetNumberOfPatchArrays())]
+    for patch in ("outer", "bolt", "slot", "frontAndBack"):
+        assert any(patch in n for n in names), names
+    # A mesh that closes: every cell's faces add up to nothing, and volumes are areas times the thickness.
+    from vtkmodules.vtkFiltersVerdict import vtkCellSizeFilter
+
+    sizes = vtkCellSizeFilter()
+    sizes.SetInputData(cells)
+    sizes.ComputeSumOn()
+    sizes.Update()
+    volume = sizes.GetOutput().GetFieldData().GetArray("Volume").GetValue(0)
+    assert volume == pytest.approx(plate.area.sum() * 0.05 * 12)
+
+
+def test_what_is_not_read_says_so(plate: csalf.Mesh, tmp_path) -> None:
+    for suffix in ("su2", "unv", "exo"):
+        plate.write(tmp_path / f"plate.{suffix}")
+        with pytest.raises(csalf.FormatError, match="not read"):
+            csalf.read(tmp_path / f"plate.{suffix}")

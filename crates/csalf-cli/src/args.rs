@@ -111,7 +111,8 @@ pub struct MeshArgs {
     /// Elements of .inp files [default: shell]
     #[arg(long, value_enum, value_name = "KIND")]
     pub element: Option<ElementArg>,
-    /// Format of all outputs, in place of their extensions: vtu, msh41, msh22, inp, bdf, obj, svg, png
+    /// Format of all outputs, in place of their extensions: vtu, msh41, msh22, inp, bdf, obj, exodus, unv, su2,
+    /// foam, svg, png
     #[arg(long, value_name = "FORMAT")]
     pub format: Option<String>,
     /// Format of the input, in place of its extension

@@ -103,6 +103,10 @@ pub struct Output {
 /// # Errors
 /// [`Failure::Files`].
 pub fn write_mesh(view: &MeshView<'_>, how: &WriteOptions<'_>, out: &Output) -> Result<(), Failure> {
+    if out.format == MeshFormat::Foam && how.mid.is_none() && !is_standard(&out.path) {
+        let name = out.path.display().to_string();
+        return csalf_io::foam::write_case(view, &out.path).map_err(|e| Failure::of_file(&name, &e));
+    }
     write(&out.path, |sink| csalf_io::write_mesh_with(out.format, view, how, sink))
 }
 

@@ -65,6 +65,14 @@ formats! {
         Bdf = "bdf", ["bdf", "nas", "fem"];
         /// Wavefront OBJ. Read and written.
         Obj = "obj", ["obj"];
+        /// Exodus II. Written only.
+        Exodus = "exodus", ["exo", "e", "ex2"];
+        /// I-DEAS universal file. Written only.
+        Unv = "unv", ["unv"];
+        /// SU2. Written only.
+        Su2 = "su2", ["su2"];
+        /// OpenFOAM case, one cell thick: a folder beside the file. Written only.
+        Foam = "foam", ["foam"];
         /// Picture, vectors. Written only.
         Svg = "svg", ["svg"];
         /// Picture, pixels. Written only.

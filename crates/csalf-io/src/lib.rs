@@ -8,6 +8,7 @@
 //! | [`dxf`], [`svg`] | outlines of curves | |
 //! | [`msh`] | meshes, and jobs from line elements | meshes (4.1 and 2.2) |
 //! | [`vtu`], [`inp`], [`bdf`], [`obj`] | meshes | meshes |
+//! | [`exodus`], [`foam`], [`su2`], [`unv`] | | meshes |
 //! | [`picture`] | | SVG and PNG pictures |
 //!
 //! [`read_job`], [`read_mesh`] and [`write_mesh`] choose by the name of a file or by a given format. No reader
@@ -18,6 +19,8 @@ mod builder;
 mod curves;
 pub mod dxf;
 pub mod error;
+pub mod exodus;
+pub mod foam;
 pub mod format;
 pub mod geojson;
 mod graph;
@@ -28,13 +31,17 @@ pub mod mesh_data;
 pub mod mesh_io;
 pub mod mid_nodes;
 pub mod msh;
+mod netcdf;
 pub mod obj;
 pub mod picture;
 pub mod poly;
 mod rings;
+mod sides;
+pub mod su2;
 pub mod svg;
 mod text;
 pub mod topojson;
+pub mod unv;
 pub mod vtu;
 
 pub use error::{IoError, Place};

@@ -1,6 +1,9 @@
 //! One door to all mesh formats.
 
-use crate::{IoError, MeshData, MeshFormat, MeshView, MidNodes, Place, bdf, inp, msh, obj, picture, vtu};
+use crate::{
+    IoError, MeshData, MeshFormat, MeshView, MidNodes, Place, bdf, exodus, inp, msh, obj, picture, su2, unv,
+    vtu,
+};
 use std::io::Write;
 use std::path::Path;
 
@@ -37,10 +40,17 @@ pub fn write_mesh_with(
         MeshFormat::Msh22 => msh::write_22_with(out, how.mid, w),
         MeshFormat::Inp => inp::write_with(out, how, w),
         MeshFormat::Bdf => bdf::write_with(out, how.mid, w),
-        MeshFormat::Obj if how.mid.is_some() => {
+        MeshFormat::Exodus => exodus::write(out, how.mid, w),
+        MeshFormat::Obj | MeshFormat::Unv | MeshFormat::Su2 if how.mid.is_some() => {
             Err(IoError::unsupported(format.name(), Place::Whole, "the format has no quadratic elements"))
         }
         MeshFormat::Obj => obj::write(out, w),
+        MeshFormat::Unv => unv::write(out, w),
+        MeshFormat::Su2 => su2::write(out, w),
+        MeshFormat::Foam => {
+            let message = "a case is a folder and cannot go into one stream: name a file";
+            Err(IoError::unsupported(format.name(), Place::Whole, message))
+        }
         MeshFormat::Svg => picture::write_svg(out, w),
         MeshFormat::Png => picture::write_png(out, w),
     }
@@ -57,6 +67,9 @@ pub fn read_mesh_bytes(format: MeshFormat, bytes: &[u8]) -> Result<MeshData, IoE
         MeshFormat::Inp => inp::read(bytes),
         MeshFormat::Bdf => bdf::read(bytes),
         MeshFormat::Obj => obj::read(bytes),
+        MeshFormat::Exodus | MeshFormat::Unv | MeshFormat::Su2 | MeshFormat::Foam => {
+            Err(IoError::unsupported(format.name(), Place::Whole, "this format is written, but not read"))
+        }
         MeshFormat::Svg | MeshFormat::Png => {
             Err(IoError::unsupported(format.name(), Place::Whole, "meshes are not read from pictures"))
         }

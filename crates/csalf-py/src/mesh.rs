@@ -245,6 +245,12 @@ impl Mesh {
             None => MeshFormat::from_path(&path).map_err(|e| errors::of_file(py, &e))?,
         };
         let (data, how) = (cell_data(data), How::new(nodes, element)?);
+        if format == MeshFormat::Foam && how.nodes == 4 {
+            let view = MeshView { mesh: &self.mesh, sets: &self.sets, cell_data: &[], title: self.title() };
+            return py
+                .detach(|| csalf_io::foam::write_case(&view, &path))
+                .map_err(|e| errors::of_file(py, &e));
+        }
         let file = std::fs::File::create(&path)
             .map_err(|source| errors::of_file(py, &IoError::Open { path: path.clone(), source }))?;
         py.detach(|| self.fill(format, data, how, &mut BufWriter::new(file))).map_err(|e| {
