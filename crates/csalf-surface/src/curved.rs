@@ -30,8 +30,11 @@ const COARSE: f64 = 0.35;
 const MAX_FACETS: usize = 60_000;
 /// Most times that the facets are divided.
 const MAX_LEVELS: usize = 3;
-/// Times that the seams are given more nodes, if pieces touch in a way that their meshes do not fit.
-const RETRIES: usize = 3;
+/// Times that a cut face is meshed with smaller sizes, if two pieces between the same seams are but one quad wide, so
+/// that their meshes share more than the seams.
+const RETRIES: usize = 4;
+/// Factor of the sizes from one attempt to the next.
+const FINER: f64 = 0.6;
 /// Most charts of one face.
 const MAX_CHARTS: usize = 400;
 /// Quads that a closed surface without any size gets, about.
@@ -88,7 +91,9 @@ pub(crate) fn curved(input: &FaceInput<'_>, options: &Options) -> Result<FaceMes
     for attempt in 0..RETRIES {
         match face.mesh(input, options, &pieces, &cut, attempt) {
             Ok(out) => return Ok(out),
-            Err(e @ (FaceError::Internal { .. } | FaceError::Planar { .. })) if pieces.len() > 1 => {
+            Err(e @ (FaceError::TooThin { .. } | FaceError::Internal { .. } | FaceError::Planar { .. }))
+                if pieces.len() > 1 =>
+            {
                 refused.get_or_insert(e);
             }
             Err(e) => return Err(e),
@@ -313,6 +318,7 @@ impl Face {
         attempt: usize,
     ) -> Result<FaceMesh, FaceError> {
         let patch = &self.patch;
+        let finer = FINER.powi(attempt as i32);
         let nodes = given_nodes(input);
         let mut chart_of = vec![0u32; patch.triangles.len()];
         for (k, p) in pieces.iter().enumerate() {
@@ -320,7 +326,7 @@ impl Face {
         }
         let n_real = self.real_segments(input, pieces.iter().map(|p| &p.chart))?;
         let seams =
-            place(patch, cut, &self.sizes, &chart_of, self.node_at.clone(), nodes.len(), &n_real, attempt)?;
+            place(patch, cut, &self.sizes, &chart_of, self.node_at.clone(), nodes.len(), &n_real, finer)?;
 
         let mut sheet = Sheet::default();
         let ground = Ground { patch, normals: patch.normals(), facets: input.facets, surface: input.surface };
@@ -349,7 +355,7 @@ impl Face {
         let n_on_curves = sheet.points.len();
         out.report.layers = vec![(0, 0, String::new()); input.loops.len()];
         for piece in pieces {
-            self.mesh_piece(input, options, piece, &seams, &ground, &mut sheet, &mut out)?;
+            self.mesh_piece(input, options, piece, &seams, &ground, &mut sheet, &mut out, finer)?;
         }
         let topology = self.certify(input, &sheet)?;
         let seeds: Vec<u32> = (nodes.len() as u32..n_on_curves as u32).collect();
@@ -499,6 +505,7 @@ impl Face {
         ground: &Ground<'_>,
         sheet: &mut Sheet,
         out: &mut FaceMesh,
+        finer: f64,
     ) -> Result<(), FaceError> {
         let (chart, flat) = (&piece.chart, &piece.map.flat);
         let contours = self.contours(piece, seams);
@@ -523,6 +530,9 @@ impl Face {
         // Sizes per vertex are limited in space already.
         let gradation = if self.sizes.is_empty() { options.gradation } else { None };
         let options = Options { gradation, ..options.clone() };
+        if let SizeSpec::Background { values, .. } = &mut job.size {
+            values.iter_mut().for_each(|h| *h *= finer);
+        }
         let meshed = mesh(&job, &options).map_err(|e| of_planar_piece(self.middle_of(chart), e))?;
         if meshed.mesh.points.len() < first.len() || meshed.mesh.points[..first.len()] != first[..] {
             return Err(FaceError::Internal { stage: "contour", detail: "nodes were renumbered".into() });
@@ -665,7 +675,18 @@ impl Face {
         let quads: Vec<[VertexId; 4]> = sheet.quads.iter().map(|q| q.map(VertexId)).collect();
         let topology = QuadTopology::new(sheet.points.len(), &quads);
         if topology.n_bad_edges > 0 {
-            return fail(format!("{} edges do not conform", topology.n_bad_edges));
+            let side = |q: &[u32; 4], k: usize| {
+                let (a, b) = (q[k], q[(k + 1) & 3]);
+                [a.min(b), a.max(b)]
+            };
+            let mut sides: Vec<_> =
+                sheet.quads.iter().flat_map(|q| (0..4).map(move |k| side(q, k))).collect();
+            sides.sort_unstable();
+            let place = sides.windows(3).find(|w| w[0] == w[2]).map(|w| sheet.points[w[0][0] as usize]);
+            return match place {
+                Some(at) => Err(FaceError::TooThin { at }),
+                None => fail(format!("{} edges do not conform", topology.n_bad_edges)),
+            };
         }
         let n_free = topology.twin.iter().filter(|&&t| t == QuadTopology::NONE).count();
         let n_given: usize = input.loops.iter().map(|l| l.nodes.len()).sum();

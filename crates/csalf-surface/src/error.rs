@@ -42,6 +42,12 @@ pub enum FaceError {
         /// What was tried.
         why: String,
     },
+    /// Both sides of a spike or a fin are but one quad wide, so that they would share quad sides across it.
+    #[error("the face is thinner than two quads near {at}: ask for smaller sizes there")]
+    TooThin {
+        /// Where.
+        at: DVec3,
+    },
     /// The planar mesher refused a flattened piece.
     #[error("the flattened face cannot be meshed{}: {error}", .at.map(|p| format!(" near {p}")).unwrap_or_default())]
     Planar {

@@ -40,7 +40,7 @@ pub(crate) struct Seams {
 }
 
 /// Places nodes on all cuts. `node_at`: given nodes; `n_given`: their number; `n_real`: per chart, number of given
-/// segments on its contour; `attempt`: 0, then more for more nodes on short chains.
+/// segments on its contour; `finer`: factor of the sizes, at most 1.
 #[allow(clippy::too_many_arguments, reason = "one call, and all of it is context")]
 pub(crate) fn place(
     patch: &Patch,
@@ -50,14 +50,16 @@ pub(crate) fn place(
     node_at: Vec<u32>,
     n_given: usize,
     n_real: &[usize],
-    attempt: usize,
+    finer: f64,
 ) -> Result<Seams, FaceError> {
     let mut chains = chains(patch, cut, sizes, chart_of, &node_at);
-    if attempt == 0 {
+    if finer >= 1.0 {
         relieve(patch, &mut chains, &node_at);
-    }
-    for c in &mut chains {
-        c.n = c.n.max(c.least << attempt);
+    } else {
+        for c in &mut chains {
+            c.w.iter_mut().for_each(|w| *w /= finer);
+            c.n = (c.w[c.w.len() - 1].round() as usize).max(c.least);
+        }
     }
     balance(&mut chains, n_real)?;
     let mut out = Seams { node_at, ..Seams::default() };

@@ -85,6 +85,7 @@ proptest! {
             }
         }
         let made = mesh_face(&input(&f, &l), &Options::default());
-        prop_assert!(made.map_or_else(|e| !e.to_string().is_empty(), |m| !m.quads.is_empty()));
+        let ours = matches!(made, Err(csalf_surface::FaceError::Internal { .. }));
+        prop_assert!(!ours, "{:?}", made);
     }
 }
