@@ -18,6 +18,9 @@ use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
+/// Trees of fewer quads are renumbered in place.
+const PARALLEL_FROM: usize = 1 << 15;
+
 /// Name of the guaranteed fallback.
 pub(crate) const FALLBACK: &str = "fallback";
 
@@ -195,10 +198,11 @@ impl Filled {
             stack.extend(f.children.iter().rev());
         }
         for f in &order {
-            for (k, &p) in f.points.iter().enumerate() {
-                number[f.first_id as usize + k] = points.len() as u32;
-                points.push(p);
+            let first = f.first_id as usize;
+            for (n, to) in number[first..first + f.points.len()].iter_mut().zip(points.len() as u32..) {
+                *n = to;
             }
+            points.extend_from_slice(&f.points);
         }
         debug_assert!(
             number[..n_fixed].iter().enumerate().all(|(i, &n)| i == n as usize),
@@ -206,7 +210,12 @@ impl Filled {
         );
         let mut quads = Vec::with_capacity(n_quads);
         for f in &order {
-            quads.extend(f.quads.iter().map(|q| q.map(|v| VertexId(number[v as usize]))));
+            let renumbered = |q: &[u32; 4]| q.map(|v| VertexId(number[v as usize]));
+            if f.quads.len() < PARALLEL_FROM {
+                quads.extend(f.quads.iter().map(renumbered));
+            } else {
+                quads.par_extend(f.quads.par_iter().with_min_len(PARALLEL_FROM / 4).map(renumbered));
+            }
         }
         (quads, number)
     }

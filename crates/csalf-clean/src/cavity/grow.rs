@@ -124,7 +124,7 @@ impl Cavity {
 
 impl<'a> Site<'a> {
     pub(super) fn new(mesh: EditMesh<'a>, task: &'a CavityTask<'a>) -> Self {
-        let n = mesh.n_vertices();
+        let (n, n_quads) = (mesh.n_vertices(), mesh.n_quads());
         let mut kept: Vec<[u32; 2]> =
             task.kept.iter().map(|e| [e[0].0.min(e[1].0), e[0].0.max(e[1].0)]).collect();
         kept.sort_unstable();
@@ -155,8 +155,9 @@ impl<'a> Site<'a> {
             special,
             rejected: Rejections::default(),
             failed: BTreeSet::new(),
-            lengths: Vec::new(),
-            met: Vec::new(),
+            // Zeros that the system hands out untouched: large meshes are mostly left alone.
+            lengths: vec![0.0; n_quads],
+            met: vec![(0, 0); n_quads],
             n_searches: 0,
         }
     }

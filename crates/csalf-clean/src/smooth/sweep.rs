@@ -5,9 +5,14 @@
 //!
 //! Source: handbook 7.5.
 
-use super::region::{PARALLEL_FROM, Region};
+use super::region::Region;
 use csalf_geom::Point2;
 use rayon::prelude::*;
+
+/// Colours of fewer vertices are done in place: handing them to other threads costs as much as 50 steps.
+const PARALLEL_FROM: usize = 512;
+/// Vertices per task, at least.
+const PER_TASK: usize = 128;
 
 /// When each vertex last moved noticeably.
 pub(crate) struct Sweeps {
@@ -47,7 +52,7 @@ impl Sweeps {
             } else {
                 let (this, shared) = (&*self, &*region);
                 list.par_iter()
-                    .with_min_len(512)
+                    .with_min_len(PER_TASK)
                     .map(|&v| {
                         if this.is_open(shared, v) {
                             let goal = step(shared, v);
