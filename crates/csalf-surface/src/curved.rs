@@ -6,22 +6,20 @@
 //! 6. Certificate and figures.
 
 use crate::cut::{Bounds, cut_chart};
-use crate::face::{constant, given_nodes, mesh, of_planar_piece};
-use crate::flatten::map::scales;
-use crate::flatten::{Flattened, extend, flatten};
+use crate::face::given_nodes;
+use crate::flatten::{Flattened, flatten};
 use crate::heal::heal;
-use crate::locate::{Anchor, Locator};
-use crate::patch::{Chart, NONE, Patch, components, next};
+use crate::locate::Anchor;
+use crate::patch::{Chart, NONE, Patch, components};
 use crate::quality::measure;
-use crate::seams::{Seams, place};
+use crate::seams::place;
 use crate::sheet::{Ground, Sheet};
+use crate::sizes::sizes;
 use crate::smooth::smooth;
-use crate::{FaceError, FaceInput, FaceMesh, FaceSize, LayerRing};
-use csalf_core::{Job, Options};
-use csalf_geom::{HardPoint, Loop, LoopKind, Point2, Scar, VertexId};
+use crate::{FaceError, FaceInput, FaceMesh};
+use csalf_core::Options;
+use csalf_geom::VertexId;
 use csalf_mesh::QuadTopology;
-use csalf_pave::{LayerLaw, LayerSpec};
-use csalf_sizemap::SizeSpec;
 use glam::DVec2;
 
 /// Facets longer than this share of the wanted length are divided before cuts are made along them.
@@ -37,30 +35,28 @@ const RETRIES: usize = 4;
 const FINER: f64 = 0.6;
 /// Most charts of one face.
 const MAX_CHARTS: usize = 400;
-/// Quads that a closed surface without any size gets, about.
-const DEFAULT_QUADS: f64 = 600.0;
 
 /// The face with what belongs to its vertices and half-sides.
-struct Face {
-    patch: Patch,
+pub(crate) struct Face {
+    pub(crate) patch: Patch,
     /// Wanted length in space, per vertex; empty until they are needed (an unrolled face without cuts does not).
-    sizes: Vec<f64>,
+    pub(crate) sizes: Vec<f64>,
     /// The facets are not divided any more.
-    is_fine: bool,
+    pub(crate) is_fine: bool,
     /// Scars as chains of vertices, with those that are no nodes.
-    scars: Vec<Vec<u32>>,
-    on_scar: Vec<bool>,
-    in_scar: Vec<bool>,
+    pub(crate) scars: Vec<Vec<u32>>,
+    pub(crate) on_scar: Vec<bool>,
+    pub(crate) in_scar: Vec<bool>,
     /// Per vertex: number of the given node.
-    node_at: Vec<u32>,
+    pub(crate) node_at: Vec<u32>,
     /// Loop of each vertex that is a loop node.
-    loop_of: Vec<u32>,
+    pub(crate) loop_of: Vec<u32>,
 }
 
 /// One chart, flattened.
-struct Piece {
-    chart: Chart,
-    map: Flattened,
+pub(crate) struct Piece {
+    pub(crate) chart: Chart,
+    pub(crate) map: Flattened,
 }
 
 pub(crate) fn curved(input: &FaceInput<'_>, options: &Options) -> Result<FaceMesh, FaceError> {
@@ -154,7 +150,7 @@ impl Face {
     }
 
     /// A half-side between two vertices, in either direction. Cost O(n): scars are few.
-    fn side(&self, a: u32, b: u32) -> Option<u32> {
+    pub(crate) fn side(&self, a: u32, b: u32) -> Option<u32> {
         let at = |h: &u32| {
             let e = self.patch.ends(*h);
             e == (a, b) || e == (b, a)
@@ -194,69 +190,8 @@ impl Face {
         self.find_scars()
     }
 
-    fn middle_of(&self, chart: &Chart) -> glam::DVec3 {
+    pub(crate) fn middle_of(&self, chart: &Chart) -> glam::DVec3 {
         chart.points.first().copied().unwrap_or_default()
-    }
-}
-
-/// Wanted length per vertex, in space, limited to the gradation that is asked for.
-fn sizes(input: &FaceInput<'_>, options: &Options, patch: &Patch) -> Vec<f64> {
-    let n = patch.points.len();
-    let mut out = match input.size {
-        FaceSize::Uniform(h) => return vec![h; n],
-        FaceSize::Vertices(h) => h.to_vec(),
-        FaceSize::Boundary => {
-            let mut log = vec![f64::NAN; n];
-            for l in input.loops {
-                let p = |i: usize| patch.points[l.nodes[i % l.nodes.len()] as usize];
-                for i in 0..l.nodes.len() {
-                    let before = p(i + l.nodes.len() - 1).distance(p(i));
-                    let h = 0.5 * (before + p(i).distance(p(i + 1)));
-                    if h > 0.0 {
-                        log[l.nodes[i] as usize] = h.ln();
-                    }
-                }
-            }
-            if input.loops.is_empty() {
-                let area: f64 =
-                    (0..patch.triangles.len() as u32).map(|t| patch.area_vector(t).length()).sum();
-                log.fill((0.5 * area / DEFAULT_QUADS).sqrt().ln());
-            } else {
-                extend(patch, &mut log);
-            }
-            log.iter().map(|l| l.exp()).collect()
-        }
-    };
-    if let Some(g) = options.gradation
-        && g > 0.0
-    {
-        limit(patch, &mut out, g);
-    }
-    out
-}
-
-/// The largest sizes below the given ones that grow by at most `g` per length along the sides of the facets.
-fn limit(patch: &Patch, h: &mut [f64], g: f64) {
-    use std::cmp::Reverse;
-    let mut near: Vec<Vec<u32>> = vec![Vec::new(); h.len()];
-    for t in &patch.triangles {
-        for k in 0..3 {
-            near[t[k] as usize].extend([t[(k + 1) % 3], t[(k + 2) % 3]]);
-        }
-    }
-    let mut heap: std::collections::BinaryHeap<_> =
-        h.iter().enumerate().map(|(v, x)| Reverse((x.to_bits(), v as u32))).collect();
-    while let Some(Reverse((k, v))) = heap.pop() {
-        if k != h[v as usize].to_bits() {
-            continue;
-        }
-        for &w in &near[v as usize] {
-            let most = h[v as usize] + g * patch.points[v as usize].distance(patch.points[w as usize]);
-            if most < h[w as usize] {
-                h[w as usize] = most;
-                heap.push(Reverse((most.to_bits(), w)));
-            }
-        }
     }
 }
 
@@ -297,15 +232,6 @@ fn divide(face: &Face, given: Option<&[DVec2]>) -> Result<Option<Atlas>, FaceErr
         open.append(&mut parts);
     }
     Ok(Some((pieces, cut)))
-}
-
-/// One contour of a chart: mesh nodes and their flat places, the loop it follows alone.
-struct Contour {
-    nodes: Vec<u32>,
-    flat: Vec<Point2>,
-    loop_index: Option<usize>,
-    /// Mean length in the plane over length in space.
-    scale: f64,
 }
 
 impl Face {
@@ -460,212 +386,6 @@ impl Face {
         Ok(out)
     }
 
-    /// The contours of a chart.
-    fn contours(&self, piece: &Piece, seams: &Seams) -> Vec<Contour> {
-        let c = &piece.chart;
-        let mut out = Vec::new();
-        for l in &c.loops {
-            let mut k = Contour { nodes: Vec::new(), flat: Vec::new(), loop_index: None, scale: 1.0 };
-            let (mut plane, mut space) = (0.0, 0.0);
-            let mut n_cut = 0;
-            for &h in l {
-                let (a, b) = (c.tail(h), c.tail(next(h)));
-                let (fa, fb) = (piece.map.flat[a as usize], piece.map.flat[b as usize]);
-                plane += fa.distance(fb);
-                space += c.points[a as usize].distance(c.points[b as usize]);
-                let node = seams.node_at[c.vertex[a as usize] as usize];
-                if node != NONE {
-                    k.nodes.push(node);
-                    k.flat.push(fa);
-                }
-                let g = 3 * c.facets[h as usize / 3] + h % 3;
-                n_cut += usize::from(self.patch.twin[g as usize] != NONE);
-                for &(s, id) in seams.inside.get(&g).into_iter().flatten() {
-                    k.nodes.push(id);
-                    k.flat.push(fa.lerp(fb, s));
-                }
-            }
-            k.scale = if space > 0.0 { plane / space } else { 1.0 };
-            if n_cut == 0 {
-                let v = l.iter().map(|&h| c.vertex[c.tail(h) as usize]);
-                k.loop_index = v.map(|v| self.loop_of[v as usize]).find(|&l| l != NONE).map(|l| l as usize);
-            }
-            out.push(k);
-        }
-        out
-    }
-
-    #[allow(clippy::too_many_arguments, reason = "one call, and all of it is context")]
-    fn mesh_piece(
-        &self,
-        input: &FaceInput<'_>,
-        options: &Options,
-        piece: &Piece,
-        seams: &Seams,
-        ground: &Ground<'_>,
-        sheet: &mut Sheet,
-        out: &mut FaceMesh,
-        finer: f64,
-    ) -> Result<(), FaceError> {
-        let (chart, flat) = (&piece.chart, &piece.map.flat);
-        let contours = self.contours(piece, seams);
-        let mut job = Job { size: self.size_spec(input, piece), ..Job::default() };
-        let area = |c: &Contour| csalf_geom::polygon::signed_area(&c.flat);
-        let outer = (0..contours.len())
-            .max_by(|&a, &b| area(&contours[a]).total_cmp(&area(&contours[b])).then(b.cmp(&a)));
-        // Mesh nodes in the order of the planar mesher's first points.
-        let mut ids: Vec<u32> = Vec::new();
-        let mut first: Vec<Point2> = Vec::new();
-        for (k, c) in contours.iter().enumerate() {
-            let kind = if Some(k) == outer { LoopKind::Outer } else { LoopKind::Hole };
-            let name = c.loop_index.map_or_else(|| format!("c{k}"), |l| format!("l{l}"));
-            if let Some(spec) = c.loop_index.and_then(|l| input.loops[l].layers.as_ref()) {
-                job.layers.push((name.clone(), scaled(spec, c.scale)));
-            }
-            job.domain.loops.push(Loop { kind, name, nodes: c.flat.clone() });
-            ids.extend(&c.nodes);
-            first.extend(&c.flat);
-        }
-        self.add_interior(input, piece, seams, &mut job, &mut ids, &mut first);
-        // Sizes per vertex are limited in space already.
-        let gradation = if self.sizes.is_empty() { options.gradation } else { None };
-        let options = Options { gradation, ..options.clone() };
-        if let SizeSpec::Background { values, .. } = &mut job.size {
-            values.iter_mut().for_each(|h| *h *= finer);
-        }
-        let meshed = mesh(&job, &options).map_err(|e| of_planar_piece(self.middle_of(chart), e))?;
-        if meshed.mesh.points.len() < first.len() || meshed.mesh.points[..first.len()] != first[..] {
-            return Err(FaceError::Internal { stage: "contour", detail: "nodes were renumbered".into() });
-        }
-        let locator = Locator::new(chart, flat);
-        let mut last = 0;
-        for &p in &meshed.mesh.points[first.len()..] {
-            let (t, bary) = locator.find(p, last);
-            last = t;
-            ids.push(sheet.points.len() as u32);
-            let anchor = Anchor { facet: chart.facets[t as usize], bary };
-            out.report.n_unprojected += usize::from(!sheet.add(ground, anchor));
-        }
-        let n_before = sheet.quads.len() as u32;
-        sheet.quads.extend(meshed.mesh.quads.iter().map(|q| q.map(|v| ids[v.index()])));
-        let loop_of = |name: &str| name.strip_prefix('l').and_then(|k| k.parse::<usize>().ok());
-        for r in &meshed.report.loops {
-            if let Some(slot) = loop_of(&r.name).and_then(|k| out.report.layers.get_mut(k)) {
-                *slot = (r.asked, r.made, r.stopped.clone());
-            }
-        }
-        for (name, quads) in &meshed.sets.quads {
-            let Some((l, n)) = name.split_once("_layer") else { continue };
-            let (Some(loop_index), Ok(layer)) = (loop_of(l), n.parse()) else { continue };
-            let quads: Vec<u32> = quads.iter().map(|q| n_before + q.0).collect();
-            if input.loops[loop_index].layers.is_some() {
-                for &q in &quads {
-                    sheet.quads[q as usize].iter().for_each(|&v| sheet.fixed[v as usize] = true);
-                }
-            }
-            out.rings.push(LayerRing { loop_index, layer, quads });
-        }
-        out.report.warnings.extend(meshed.report.warnings.iter().map(ToString::to_string));
-        Ok(())
-    }
-
-    /// Sizes of a chart in the plane.
-    fn size_spec(&self, input: &FaceInput<'_>, piece: &Piece) -> SizeSpec {
-        if piece.map.is_isometric() {
-            match input.size {
-                FaceSize::Uniform(h) => return SizeSpec::Uniform { h: h * piece.map.verdict.mean_scale },
-                FaceSize::Vertices(list) => {
-                    if let Some(h) = constant(list) {
-                        return SizeSpec::Uniform { h: h * piece.map.verdict.mean_scale };
-                    }
-                }
-                FaceSize::Boundary if self.sizes.is_empty() => return SizeSpec::Boundary,
-                FaceSize::Boundary => {}
-            }
-        }
-        let scale = scales(&piece.chart, &piece.map.flat);
-        SizeSpec::Background {
-            points: piece.map.flat.clone(),
-            triangles: piece.chart.triangles.clone(),
-            values: piece.chart.vertex.iter().zip(scale).map(|(&v, s)| s * self.sizes[v as usize]).collect(),
-        }
-    }
-
-    /// Scars and points of a chart.
-    fn add_interior(
-        &self,
-        input: &FaceInput<'_>,
-        piece: &Piece,
-        seams: &Seams,
-        job: &mut Job,
-        ids: &mut Vec<u32>,
-        first: &mut Vec<Point2>,
-    ) {
-        if self.scars.is_empty() && input.points.is_empty() {
-            return;
-        }
-        let c = &piece.chart;
-        let mut local = vec![NONE; self.patch.points.len()];
-        for (v, &g) in c.vertex.iter().enumerate() {
-            local[g as usize] = v as u32;
-        }
-        let mut on_contour = vec![false; c.vertex.len()];
-        c.loops.iter().flatten().for_each(|&h| on_contour[c.tail(h) as usize] = true);
-        let mut seen = on_contour.clone();
-        let mut in_chart = vec![false; self.patch.triangles.len()];
-        c.facets.iter().for_each(|&t| in_chart[t as usize] = true);
-        let mut note = |v: u32, ids: &mut Vec<u32>, first: &mut Vec<Point2>| {
-            if !std::mem::replace(&mut seen[v as usize], true) {
-                ids.push(seams.node_at[c.vertex[v as usize] as usize]);
-                first.push(piece.map.flat[v as usize]);
-            }
-        };
-        for s in &self.scars {
-            let mut run: Vec<u32> = Vec::new();
-            let mut flush = |run: &mut Vec<u32>| {
-                if run.len() >= 2 {
-                    run.iter().for_each(|&v| note(v, ids, first));
-                    let nodes = run.iter().map(|&v| piece.map.flat[v as usize]).collect();
-                    let name = format!("s{}", job.domain.scars.len());
-                    job.domain.scars.push(Scar { name, nodes });
-                }
-                run.clear();
-            };
-            for w in s.windows(2) {
-                // The side's own corners: of a vertex on a cut, the copy that the side touches.
-                let ends = self.side(w[0], w[1]).and_then(|h| {
-                    let h = [h, self.patch.twin[h as usize]]
-                        .into_iter()
-                        .find(|&h| h != NONE && in_chart[h as usize / 3])?;
-                    let t = c.facets.binary_search(&(h / 3)).ok()?;
-                    let (a, b) = (c.triangles[t][h as usize % 3], c.triangles[t][(h as usize % 3 + 1) % 3]);
-                    Some(if c.vertex[a as usize] == w[0] { (a, b) } else { (b, a) })
-                });
-                let Some((a, b)) = ends else {
-                    flush(&mut run);
-                    continue;
-                };
-                let is_node = |v: u32| seams.node_at[c.vertex[v as usize] as usize] != NONE;
-                if run.is_empty() && is_node(a) {
-                    run.push(a);
-                }
-                if is_node(b) {
-                    run.push(b);
-                }
-            }
-            flush(&mut run);
-        }
-        for &p in input.points {
-            let v = local[p as usize];
-            if v == NONE || on_contour[v as usize] {
-                continue;
-            }
-            note(v, ids, first);
-            let name = format!("p{}", job.domain.points.len());
-            job.domain.points.push(HardPoint { name, xy: piece.map.flat[v as usize], size: None });
-        }
-    }
-
     /// Conforming, and the boundary is the given segments.
     fn certify(&self, input: &FaceInput<'_>, sheet: &Sheet) -> Result<QuadTopology, FaceError> {
         let fail = |detail: String| Err(FaceError::Internal { stage: "certify", detail });
@@ -695,15 +415,6 @@ impl Face {
         }
         Ok(topology)
     }
-}
-
-/// Thicknesses in lengths of the plane.
-fn scaled(spec: &LayerSpec, scale: f64) -> LayerSpec {
-    let law = match &spec.law {
-        LayerLaw::Explicit(t) => LayerLaw::Explicit(t.iter().map(|t| t * scale).collect()),
-        other => other.clone(),
-    };
-    LayerSpec { count: spec.count, law, first: spec.first.map(|t| t * scale) }
 }
 
 /// Largest distance of a quad's centre from the ground.

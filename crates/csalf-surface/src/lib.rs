@@ -21,11 +21,13 @@ mod heal;
 mod input;
 mod locate;
 mod patch;
+mod piece;
 mod plane;
 mod quality;
 mod report;
 mod seams;
 mod sheet;
+mod sizes;
 mod smooth;
 
 pub use csalf_pave::{LayerLaw, LayerSpec};
