@@ -1,4 +1,5 @@
-//! Meshes faces made by code and prints their figures; with a folder as argument, writes each mesh there as `.obj`.
+//! Meshes faces made by code and prints their figures; with a folder as argument, writes each mesh there as
+//! `.obj`.
 
 #![allow(clippy::print_stdout, reason = "a program")]
 

@@ -28,8 +28,8 @@ const COARSE: f64 = 0.35;
 const MAX_FACETS: usize = 60_000;
 /// Most times that the facets are divided.
 const MAX_LEVELS: usize = 3;
-/// Times that a cut face is meshed with smaller sizes, if two pieces between the same seams are but one quad wide, so
-/// that their meshes share more than the seams.
+/// Times that a cut face is meshed with smaller sizes, if two pieces between the same seams are but one quad
+/// wide, so that their meshes share more than the seams.
 const RETRIES: usize = 4;
 /// Factor of the sizes from one attempt to the next.
 const FINER: f64 = 0.6;
@@ -39,7 +39,8 @@ const MAX_CHARTS: usize = 400;
 /// The face with what belongs to its vertices and half-sides.
 pub(crate) struct Face {
     pub(crate) patch: Patch,
-    /// Wanted length in space, per vertex; empty until they are needed (an unrolled face without cuts does not).
+    /// Wanted length in space, per vertex; empty until they are needed (an unrolled face without cuts does
+    /// not).
     pub(crate) sizes: Vec<f64>,
     /// The facets are not divided any more.
     pub(crate) is_fine: bool,
@@ -326,8 +327,8 @@ impl Face {
         self.real_segments(input, charts.iter()).map(|_| ())
     }
 
-    /// Given segments on the contour of each chart. Also: every run of boundary sides between two nodes must be a
-    /// segment of a loop.
+    /// Given segments on the contour of each chart. Also: every run of boundary sides between two nodes must
+    /// be a segment of a loop.
     fn real_segments<'c>(
         &self,
         input: &FaceInput<'_>,

@@ -7,8 +7,8 @@
 //!   ╰──────────╯  between two loops      ╰──┼──╯   between them divides the chart in two
 //! ```
 //!
-//! Cuts end at mesh nodes of the boundary or on other cuts, never between two nodes, and never run along scars:
-//! facets that would allow it are kept together. Source: handbook 9.4.
+//! Cuts end at mesh nodes of the boundary or on other cuts, never between two nodes, and never run along
+//! scars: facets that would allow it are kept together. Source: handbook 9.4.
 
 use crate::patch::{Chart, NONE, Patch, components, next};
 use std::cmp::Reverse;

@@ -15,7 +15,8 @@ pub enum FaceError {
         /// Place in it.
         index: usize,
     },
-    /// The facets are no oriented surface: a side with more than two facets, or with two in the same direction.
+    /// The facets are no oriented surface: a side with more than two facets, or with two in the same
+    /// direction.
     #[error(
         "the facets do not form an oriented surface at {at}: more than two meet at a side, or one is turned over"
     )]

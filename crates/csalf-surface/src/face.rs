@@ -11,8 +11,8 @@ use glam::DVec3;
 
 /// Meshes one face with quads.
 ///
-/// The given nodes come first and keep their bytes; the boundary of the mesh is the given segments, nothing else.
-/// Deterministic. `options.threads` is ignored: the face is meshed in the caller's thread pool.
+/// The given nodes come first and keep their bytes; the boundary of the mesh is the given segments, nothing
+/// else. Deterministic. `options.threads` is ignored: the face is meshed in the caller's thread pool.
 ///
 /// # Errors
 /// [`FaceError`], with its place in space.

@@ -7,8 +7,8 @@
 //!    └──┴──┴──┴──┘
 //! ```
 //!
-//! Worst quads first, regions of one round are disjoint, so the order of work is fixed. Nodes that must stay, sides of
-//! scars and quads of layers are never inside a region. Source: handbook 6.5 and 9.4.
+//! Worst quads first, regions of one round are disjoint, so the order of work is fixed. Nodes that must stay,
+//! sides of scars and quads of layers are never inside a region. Source: handbook 6.5 and 9.4.
 
 use crate::face::mesh;
 use crate::flatten::{Flattened, flatten};
@@ -34,7 +34,8 @@ const ROUNDS: usize = 3;
 /// Most regions tried per round: bounds the time on hopeless meshes.
 const TRIALS: usize = 300;
 
-/// A region meshed anew: quads that go, and the quads that come, with new vertices counted from the end of the sheet.
+/// A region meshed anew: quads that go, and the quads that come, with new vertices counted from the end of
+/// the sheet.
 struct Region {
     old: Vec<u32>,
     rim: Vec<u32>,

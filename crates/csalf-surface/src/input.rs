@@ -5,8 +5,8 @@ use glam::{DVec2, DVec3};
 
 /// A triangulated patch, consistently oriented (counter-clockwise seen from outside the material).
 ///
-/// Its boundary is already discretised: every node of the quad mesh on a loop, scar or point is a vertex of the
-/// facets, and scars run along sides of facets. The caller splits facets where needed.
+/// Its boundary is already discretised: every node of the quad mesh on a loop, scar or point is a vertex of
+/// the facets, and scars run along sides of facets. The caller splits facets where needed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Facets {
     /// Vertices, in model units.
@@ -18,8 +18,8 @@ pub struct Facets {
 /// The mesh nodes along one closed boundary curve of the patch.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FaceLoop {
-    /// Facet vertices that are mesh nodes, in order along the curve, the first not repeated; either orientation. The
-    /// boundary of the facets may have more vertices between them.
+    /// Facet vertices that are mesh nodes, in order along the curve, the first not repeated; either
+    /// orientation. The boundary of the facets may have more vertices between them.
     pub nodes: Vec<u32>,
     /// Layers asked for around this loop; `None`: the mesher's own rule.
     pub layers: Option<LayerSpec>,
@@ -42,18 +42,19 @@ pub enum FaceSize<'a> {
 pub struct FaceInput<'a> {
     /// The patch.
     pub facets: &'a Facets,
-    /// All boundary loops of the patch, outer or hole, in any order; none of a closed surface. Their number of
-    /// segments must be even in total.
+    /// All boundary loops of the patch, outer or hole, in any order; none of a closed surface. Their number
+    /// of segments must be even in total.
     pub loops: &'a [FaceLoop],
-    /// Chains of facet vertices inside that the mesh edges must follow, each successive pair a side of a facet.
+    /// Chains of facet vertices inside that the mesh edges must follow, each successive pair a side of a
+    /// facet.
     pub scars: &'a [Vec<u32>],
     /// Facet vertices inside that must be mesh vertices: hard points, weld spots, poles.
     pub points: &'a [u32],
     /// Wanted sizes.
     pub size: FaceSize<'a>,
-    /// Flat coordinates per facet vertex that the caller knows to be good, such as the unrolled (u, v) of a cylinder
-    /// or cone: lengths should be those in space, or all in one proportion locally. Used if they pass the tests that
-    /// the flattenings of this crate must pass.
+    /// Flat coordinates per facet vertex that the caller knows to be good, such as the unrolled (u, v) of a
+    /// cylinder or cone: lengths should be those in space, or all in one proportion locally. Used if they
+    /// pass the tests that the flattenings of this crate must pass.
     pub flat: Option<&'a [DVec2]>,
     /// The true surface beneath the facets; `None` if the facets are all there is.
     pub surface: Option<&'a dyn Projector>,
@@ -70,7 +71,8 @@ pub struct SurfacePoint {
 
 /// The true surface beneath the facets (of a CAD model).
 pub trait Projector: Sync + std::fmt::Debug {
-    /// The surface point nearest to `near`, which lies on facet `facet` at the barycentric coordinates `bary` (a
-    /// start for iterations); `None` if there is none. Answers that are far off are refused by the caller. Pure.
+    /// The surface point nearest to `near`, which lies on facet `facet` at the barycentric coordinates `bary`
+    /// (a start for iterations); `None` if there is none. Answers that are far off are refused by the caller.
+    /// Pure.
     fn project(&self, near: DVec3, facet: u32, bary: [f64; 3]) -> Option<SurfacePoint>;
 }

@@ -8,9 +8,9 @@
 //!                             │ else: conformal, cut where needed    quads in space ─smooth─▶ FaceMesh
 //! ```
 //!
-//! Conventions: triangles and quads run counter-clockwise seen from the side that the normals point to; lengths are in
-//! model units. The boundary nodes come first in the mesh, in the order given, and keep their bytes.
-//! Source: handbook 9.
+//! Conventions: triangles and quads run counter-clockwise seen from the side that the normals point to;
+//! lengths are in model units. The boundary nodes come first in the mesh, in the order given, and keep their
+//! bytes. Source: handbook 9.
 
 mod curved;
 mod cut;

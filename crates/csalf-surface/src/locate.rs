@@ -103,8 +103,8 @@ impl<'a> Locator<'a> {
         Some([w0, w1, 1.0 - w0 - w1])
     }
 
-    /// The facet (local number) that `p` lies in, and where; the nearest boundary point of one outside. `last`: a
-    /// facet near by.
+    /// The facet (local number) that `p` lies in, and where; the nearest boundary point of one outside.
+    /// `last`: a facet near by.
     pub(crate) fn find(&self, p: DVec2, last: u32) -> (u32, [f64; 3]) {
         let mut t = last;
         for _ in 0..STEPS {
@@ -163,8 +163,8 @@ fn clamped(w: [f64; 3]) -> [f64; 3] {
     w.map(|w| w / s)
 }
 
-/// The point of the facets near `p`, from a place near by: exact where the facets are plane there, else the end of a
-/// descent from facet to facet.
+/// The point of the facets near `p`, from a place near by: exact where the facets are plane there, else the
+/// end of a descent from facet to facet.
 pub(crate) fn nearest(patch: &Patch, start: Anchor, p: DVec3) -> Anchor {
     let mut at = start;
     let mut before = NONE;

@@ -69,8 +69,8 @@ impl Patch {
         Ok(Self { points, triangles, twin, parent })
     }
 
-    /// Each facet divided into four. Old vertices keep their numbers; `values` (one per vertex) are interpolated,
-    /// and `middle` tells the new vertex in the middle of each half-side.
+    /// Each facet divided into four. Old vertices keep their numbers; `values` (one per vertex) are
+    /// interpolated, and `middle` tells the new vertex in the middle of each half-side.
     pub(crate) fn subdivided(&self, values: &mut Vec<f64>) -> Result<(Self, Vec<u32>), FaceError> {
         let mut points = self.points.clone();
         let mut middle = vec![NONE; self.twin.len()];
@@ -146,7 +146,8 @@ pub(crate) struct Chart {
 }
 
 impl Chart {
-    /// The chart of these facets. `local_of` is scratch, one entry per facet of the patch, all [`NONE`]; left so.
+    /// The chart of these facets. `local_of` is scratch, one entry per facet of the patch, all [`NONE`]; left
+    /// so.
     pub(crate) fn new(patch: &Patch, cut: &[bool], facets: Vec<u32>, local_of: &mut [u32]) -> Self {
         for (i, &t) in facets.iter().enumerate() {
             local_of[t as usize] = i as u32;

@@ -10,11 +10,11 @@
 use crate::Facets;
 use glam::{DVec2, DVec3};
 
-/// Points this share of the patch's diagonal off the mean plane still count as in it: what single precision files
-/// leave. (A node may be off the surface by 1e-6 of the diagonal of its model.)
+/// Points this share of the patch's diagonal off the mean plane still count as in it: what single precision
+/// files leave. (A node may be off the surface by 1e-6 of the diagonal of its model.)
 const OFF: f64 = 5e-7;
-/// A facet whose normal turns against the mean one by more than this cosine, and has more area than rounding can
-/// make, shows that the patch is folded.
+/// A facet whose normal turns against the mean one by more than this cosine, and has more area than rounding
+/// can make, shows that the patch is folded.
 const FOLDED: f64 = 1e-9;
 
 /// A plane with axes.

@@ -5,9 +5,9 @@
 //!   n: normal of the quad's mean plane, on the side of the surface's normals
 //! ```
 //!
-//! A plane quad has the plane's figures; one that is turned over has negative ones. The handbook (9.6) takes the
-//! surface's normals at the corners themselves; on meshes that are coarse against the curvature they call sound quads
-//! inverted, and other programs (Verdict) use the mean plane.
+//! A plane quad has the plane's figures; one that is turned over has negative ones. The handbook (9.6) takes
+//! the surface's normals at the corners themselves; on meshes that are coarse against the curvature they call
+//! sound quads inverted, and other programs (Verdict) use the mean plane.
 
 use crate::report::Quality3d;
 use csalf_mesh::quality::FLAT;
@@ -42,8 +42,8 @@ pub(crate) fn warpage(p: [DVec3; 4]) -> f64 {
 }
 
 impl Quality3d {
-    /// The figures of quads of a mesh, with a unit normal of the surface per point; the deviation is left 0. Indices
-    /// must be below the lengths of the lists. Cost O(n).
+    /// The figures of quads of a mesh, with a unit normal of the surface per point; the deviation is left 0.
+    /// Indices must be below the lengths of the lists. Cost O(n).
     pub fn measure(points: &[DVec3], normals: &[DVec3], quads: &[[u32; 4]]) -> Self {
         measure(points, quads, |v| normals[v as usize])
     }

@@ -11,8 +11,8 @@ pub struct FaceMesh {
     pub normals: Vec<DVec3>,
     /// Four vertices per quad, counter-clockwise seen from outside.
     pub quads: Vec<[u32; 4]>,
-    /// Facet vertex of each of the first points: the nodes of the loops in the order given, then those of the scars,
-    /// then the points, each once.
+    /// Facet vertex of each of the first points: the nodes of the loops in the order given, then those of the
+    /// scars, then the points, each once.
     pub nodes: Vec<u32>,
     /// The finished layers.
     pub rings: Vec<LayerRing>,
@@ -58,8 +58,8 @@ pub struct FaceReport {
     pub anisotropy: f64,
     /// Ratio of the largest to the smallest local scale of the flattening (99 % of the area).
     pub scale_range: f64,
-    /// Largest difference (degrees) between the angle of the material at a vertex of a contour in space and in the
-    /// plane, where the planar mesher sees it.
+    /// Largest difference (degrees) between the angle of the material at a vertex of a contour in space and
+    /// in the plane, where the planar mesher sees it.
     pub max_angle_error: f64,
     /// Vertices for which the surface gave no usable point; they stay on their facet.
     pub n_unprojected: usize,
@@ -73,15 +73,16 @@ pub struct FaceReport {
     pub warnings: Vec<String>,
 }
 
-/// Quality of quads in space. Corner Jacobians are about the normal of the quad's mean plane, negative where it is
-/// turned over against the surface. Of no quads: all 0.
+/// Quality of quads in space. Corner Jacobians are about the normal of the quad's mean plane, negative where
+/// it is turned over against the surface. Of no quads: all 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Quality3d {
     /// Smallest scaled Jacobian, -1 to 1.
     pub min_sj: f64,
     /// Mean scaled Jacobian.
     pub mean_sj: f64,
-    /// Harmonic mean of Jmin / Jmax, 0 to 1 (paper eq. 21, handbook 1.12), over the quads without flat corners.
+    /// Harmonic mean of Jmin / Jmax, 0 to 1 (paper eq. 21, handbook 1.12), over the quads without flat
+    /// corners.
     pub tau: f64,
     /// Largest warpage: distance of the corners from the mean plane over the mean side length.
     pub max_warpage: f64,

@@ -13,7 +13,8 @@ use crate::locate::Anchor;
 use crate::patch::{NONE, Patch};
 use std::collections::BTreeMap;
 
-/// Fewest segments of a chain, and of one that closes on itself: two chains between the same ends must differ.
+/// Fewest segments of a chain, and of one that closes on itself: two chains between the same ends must
+/// differ.
 const FEWEST: (usize, usize) = (2, 4);
 
 /// A run of cut sides between junctions.
@@ -39,8 +40,8 @@ pub(crate) struct Seams {
     pub(crate) anchors: Vec<Anchor>,
 }
 
-/// Places nodes on all cuts. `node_at`: given nodes; `n_given`: their number; `n_real`: per chart, number of given
-/// segments on its contour; `finer`: factor of the sizes, at most 1.
+/// Places nodes on all cuts. `node_at`: given nodes; `n_given`: their number; `n_real`: per chart, number of
+/// given segments on its contour; `finer`: factor of the sizes, at most 1.
 #[allow(clippy::too_many_arguments, reason = "one call, and all of it is context")]
 pub(crate) fn place(
     patch: &Patch,
@@ -152,8 +153,8 @@ fn chains(patch: &Patch, cut: &[bool], sizes: &[f64], chart_of: &[u32], node_at:
     out
 }
 
-/// Allows a single segment where it cannot be taken for another: no other chain has the same ends, and they are not
-/// both given nodes.
+/// Allows a single segment where it cannot be taken for another: no other chain has the same ends, and they
+/// are not both given nodes.
 fn relieve(patch: &Patch, chains: &mut [Chain], node_at: &[u32]) {
     let ends = |c: &Chain| {
         let (a, b) = (patch.ends(c.sides[0]).0, patch.ends(c.sides[c.sides.len() - 1]).1);

@@ -1,4 +1,5 @@
-//! The quads in space while they are being improved: positions, normals, and where each vertex sits on the facets.
+//! The quads in space while they are being improved: positions, normals, and where each vertex sits on the
+//! facets.
 
 use crate::input::Projector;
 use crate::locate::{Anchor, mix, nearest};
@@ -21,7 +22,8 @@ pub(crate) struct Ground<'a> {
 }
 
 impl Ground<'_> {
-    /// Position and unit normal at a place on the facets, on the true surface if it answers; and whether it did.
+    /// Position and unit normal at a place on the facets, on the true surface if it answers; and whether it
+    /// did.
     pub(crate) fn at(&self, a: Anchor) -> (DVec3, DVec3, bool) {
         let p = a.point(self.patch);
         let t = self.patch.triangles[a.facet as usize];

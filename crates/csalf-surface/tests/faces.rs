@@ -21,8 +21,8 @@ fn run(s: &Shape, size: FaceSize<'static>) -> FaceMesh {
     m
 }
 
-/// Conforming, given nodes kept, the boundary the given segments in the direction of the facets, area of the facets
-/// within a few percent.
+/// Conforming, given nodes kept, the boundary the given segments in the direction of the facets, area of the
+/// facets within a few percent.
 fn check(s: &Shape, m: &FaceMesh) {
     for (k, &v) in m.nodes.iter().enumerate() {
         assert_eq!(m.points[k], s.facets.points[v as usize], "node {k} has its bytes");
@@ -198,8 +198,8 @@ fn taus(m: &FaceMesh, hole: f64) -> (f64, f64) {
     (Quality3d::measure(&m.points, &m.normals, &local).tau, m.report.quality.tau)
 }
 
-/// The paper's Fig. 5: a curved face with a round hole, sizes 1 : 10; tau_l 0.98 and tau_g 0.83 against 0.70 and 0.78 of
-/// recursive subdivision. A ring of n quads can reach (n - pi) / (n + pi) only (handbook 1.14).
+/// The paper's Fig. 5: a curved face with a round hole, sizes 1 : 10; tau_l 0.98 and tau_g 0.83 against 0.70
+/// and 0.78 of recursive subdivision. A ring of n quads can reach (n - pi) / (n + pi) only (handbook 1.14).
 #[test]
 fn the_papers_figure_5_in_space() {
     let hole = 0.13;

@@ -34,7 +34,8 @@ proptest! {
         prop_assert_eq!(m.report.quality.n_nonpositive, 0);
     }
 
-    /// A rough patch is meshed, or refused with an error; what is meshed conforms (the certificate) and covers the area.
+    /// A rough patch is meshed, or refused with an error; what is meshed conforms (the certificate) and
+    /// covers the area.
     #[test]
     fn rough_patches_are_meshed_or_refused(
         z in prop::collection::vec(-1.0f64..1.0, 81),

@@ -1,7 +1,7 @@
 //! Least squares conformal map with a free boundary.
 //!
-//! 1. Energy E = Dirichlet(u, v) - area(u, v) >= 0, zero for conformal maps: the Dirichlet part by the gradients of the
-//!    facets, the area as a sum over boundary sides.
+//! 1. Energy E = Dirichlet(u, v) - area(u, v) >= 0, zero for conformal maps: the Dirichlet part by the
+//!    gradients of the facets, the area as a sum over boundary sides.
 //! 2. Two vertices far apart on the boundary are pinned at their distance in space.
 //! 3. One sparse solve.
 //!

@@ -4,8 +4,8 @@ use super::map::gradients;
 use super::sparse::{Order, Symmetric};
 use crate::patch::{NONE, Patch};
 
-/// Fills the NaN entries of `values` harmonically from the others. Vertices that no facet uses, or all of them if the
-/// system cannot be solved, get the mean. Cost: one sparse solve.
+/// Fills the NaN entries of `values` harmonically from the others. Vertices that no facet uses, or all of
+/// them if the system cannot be solved, get the mean. Cost: one sparse solve.
 pub(crate) fn extend(patch: &Patch, values: &mut [f64]) {
     let known: Vec<f64> = values.iter().copied().filter(|x| !x.is_nan()).collect();
     if known.len() == values.len() {

@@ -5,7 +5,8 @@ use crate::patch::Chart;
 use csalf_geom::predicates::{Meeting, meeting, orient2d};
 use glam::{DMat2, DVec2, DVec3};
 
-/// A facet lower than this share of its longest side is treated as this high: a sliver has no shape of its own.
+/// A facet lower than this share of its longest side is treated as this high: a sliver has no shape of its
+/// own.
 const SLIVER: f64 = 1e-4;
 /// A facet lower than this share of the chart's diagonal may be turned over by rounding without harm.
 const NEEDLE: f64 = 1e-7;
@@ -114,8 +115,8 @@ fn quantile(list: &[(f64, f64, f64)], at: f64, value: impl Fn(&(f64, f64, f64)) 
     list.last().map_or(1.0, value)
 }
 
-/// Whether two sides of the flat boundary meet that have no vertex in common. Sides are sorted into the columns and
-/// rows of a grid; cost O(n) for sides of similar length.
+/// Whether two sides of the flat boundary meet that have no vertex in common. Sides are sorted into the
+/// columns and rows of a grid; cost O(n) for sides of similar length.
 fn crosses(chart: &Chart, flat: &Flat) -> bool {
     let sides: Vec<(u32, u32)> = chart
         .loops

@@ -29,14 +29,15 @@ pub(crate) type Flat = Vec<DVec2>;
 
 /// Largest ratio of singular values over 99 % of the area (handbook 9.2).
 pub(crate) const MAX_ANISOTROPY: f64 = 2.0;
-/// Largest ratio of local scales. A conformal map of a hemisphere has 2; the size field evens it out. Larger: fewer cuts, but
-/// the plane mesher has to follow a steeper size field. *Chosen.*
+/// Largest ratio of local scales. A conformal map of a hemisphere has 2; the size field evens it out. Larger:
+/// fewer cuts, but the plane mesher has to follow a steeper size field. *Chosen.*
 pub(crate) const MAX_SCALE_RANGE: f64 = 5.0;
 
-/// Integral of |K| beyond which a chart is cut at once: that of a spherical cap whose conformal map has a scale range of
-/// 5 (3.2 pi), and a little more.
+/// Integral of |K| beyond which a chart is cut at once: that of a spherical cap whose conformal map has a
+/// scale range of 5 (3.2 pi), and a little more.
 const MAX_CURVATURE: f64 = 3.5 * std::f64::consts::PI;
-/// Charts of more vertices are cut rather than relaxed, where they can be: 25 solves of them would take a second.
+/// Charts of more vertices are cut rather than relaxed, where they can be: 25 solves of them would take a
+/// second.
 const MAX_RELAXED: usize = 2_500;
 
 /// A chart in the plane.
@@ -110,8 +111,8 @@ pub(crate) fn flatten(chart: &Chart, given: Option<&[DVec2]>, last_resort: bool)
         .or_else(|| if last_resort { tried(start, Flattening::Relaxed) } else { None })
 }
 
-/// Whether no map within [`MAX_SCALE_RANGE`] can be hoped for, so that the solve is saved: a tube longer than the
-/// logarithm of that range times its radius, or more curvature than a spherical cap of that range has.
+/// Whether no map within [`MAX_SCALE_RANGE`] can be hoped for, so that the solve is saved: a tube longer than
+/// the logarithm of that range times its radius, or more curvature than a spherical cap of that range has.
 fn is_hopeless(chart: &Chart) -> bool {
     let p = |h: u32| chart.points[chart.tail(h) as usize];
     let length = |l: &Vec<u32>| l.iter().map(|&h| p(h).distance(p(crate::patch::next(h)))).sum::<f64>();
@@ -140,8 +141,8 @@ fn longest_boundary_side(chart: &Chart) -> DVec3 {
 /// One unknown: vertex and component.
 type Unknown = (u32, u32);
 
-/// Solves sum of terms (each stands for (i, j) and (j, i), or for the diagonal) times x = 0 for the entries of `flat`
-/// that are NaN, the others given. `None` if the system is not positive definite.
+/// Solves sum of terms (each stands for (i, j) and (j, i), or for the diagonal) times x = 0 for the entries
+/// of `flat` that are NaN, the others given. `None` if the system is not positive definite.
 fn assemble(
     order: &Order,
     terms: &[(Unknown, Unknown, f64)],

@@ -5,8 +5,8 @@
 //! ```
 //!
 //! 1. Each facet asks for its nearest rotation, with weights that make the gradient that of E.
-//! 2. One sparse solve gives a direction. 3. The step ends before the first facet is turned over, and is halved until E
-//!    falls. Again, until E stands still.
+//! 2. One sparse solve gives a direction. 3. The step ends before the first facet is turned over, and is
+//!    halved until E falls. Again, until E stands still.
 //!
 //! Source: Rabinovich et al. 2017 (SLIM), as told in handbook 9.2.
 

@@ -7,8 +7,8 @@
 //!
 //! 1. [`Order::new`]: nested dissection.
 //! 2. Elimination tree and column counts.
-//! 3. Row k of L by a sparse triangular solve over the tree (the up-looking method; Davis, *Direct Methods for Sparse
-//!    Linear Systems*, 2006, ch. 4).
+//! 3. Row k of L by a sparse triangular solve over the tree (the up-looking method; Davis, *Direct Methods
+//!    for Sparse Linear Systems*, 2006, ch. 4).
 //!
 //! Written here and not taken from a library: see docs/decisions/0003. Same bits on every machine.
 

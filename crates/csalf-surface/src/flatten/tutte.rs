@@ -1,7 +1,7 @@
 //! The convex map: the longest loop on a circle, every inner vertex a weighted mean of its neighbours.
 //!
-//! Positive weights make it free of flips (Tutte 1963, Floater 1997). Holes are filled by a fan round a centre
-//! first; a part of an injective map is injective (handbook 9.3).
+//! Positive weights make it free of flips (Tutte 1963, Floater 1997). Holes are filled by a fan round a
+//! centre first; a part of an injective map is injective (handbook 9.3).
 
 use super::map::gradients;
 use super::sparse::{Order, Symmetric};

@@ -13,8 +13,8 @@ pub struct Shape {
     pub loops: Vec<FaceLoop>,
 }
 
-/// A grid of m x n cells over (s, t) in the unit square, mapped; `wrap`: the first and last columns (rows) are one.
-/// The normal is d/ds x d/dt.
+/// A grid of m x n cells over (s, t) in the unit square, mapped; `wrap`: the first and last columns (rows)
+/// are one. The normal is d/ds x d/dt.
 pub fn grid(m: u32, n: u32, wrap: (bool, bool), f: impl Fn(f64, f64) -> DVec3) -> Facets {
     let (cm, cn) = (m + u32::from(!wrap.0), n + u32::from(!wrap.1));
     let at = |i: u32, j: u32| (j % cn) * cm + i % cm;
@@ -69,8 +69,8 @@ fn with_loops(facets: Facets, every: usize) -> Shape {
     Shape { facets, loops }
 }
 
-/// A dome (spherical cap of radius 1 up to polar angle `open`) with a hole round the pole of polar angle `hole`, seen
-/// from outside; facets graded from the hole to the rim; nodes: `n_hole` and `n_rim`.
+/// A dome (spherical cap of radius 1 up to polar angle `open`) with a hole round the pole of polar angle
+/// `hole`, seen from outside; facets graded from the hole to the rim; nodes: `n_hole` and `n_rim`.
 pub fn dome(hole: f64, open: f64, n_hole: u32, n_rim: u32) -> Shape {
     let m = (1..).map(|k| k * n_rim).find(|m| m % n_hole == 0).unwrap_or(n_rim);
     let rows = 48;
@@ -167,7 +167,8 @@ pub fn torus(big: f64, small: f64, m: u32, n: u32) -> Shape {
     with_loops(grid(m, n, (true, true), f), 1)
 }
 
-/// A closed surface of the topology of a sphere: a cube, each side n x n, blown up and shaped by `f` of the direction.
+/// A closed surface of the topology of a sphere: a cube, each side n x n, blown up and shaped by `f` of the
+/// direction.
 pub fn ball(n: u32, f: impl Fn(DVec3) -> DVec3) -> Shape {
     let mut ids: BTreeMap<[i64; 3], u32> = BTreeMap::new();
     let mut out = Facets::default();
