@@ -3,6 +3,7 @@
 
 pub mod background;
 pub mod build;
+pub mod cdt;
 pub mod coarse;
 pub mod count;
 pub mod discretize;

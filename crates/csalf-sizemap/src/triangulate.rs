@@ -1,4 +1,4 @@
-//! Constrained Delaunay triangulations as flat arrays: the only user of the `spade` crate.
+//! Constrained Delaunay triangulations as flat arrays.
 //!
 //! ```text
 //!            2
@@ -15,8 +15,9 @@
 //! 4. [`inside_loops`]: which triangles lie in the domain, by parity from the hull inwards.
 
 use crate::SizeError;
+use crate::cdt::constrained;
 use csalf_geom::Point2;
-use spade::{ConstrainedDelaunayTriangulation, Point2 as SpadePoint, Triangulation as _};
+use spade::Triangulation as _;
 
 /// No triangle.
 pub(crate) const NONE: u32 = u32::MAX;
@@ -87,10 +88,7 @@ pub(crate) fn merge(points: &[Point2]) -> (Vec<u32>, Vec<u32>) {
 /// Triangulates distinct, normalised points; sides that cross an earlier constraint are dropped (checked domains
 /// have none). O(n log n).
 pub(crate) fn triangulate(points: &[Point2], sides: &[[u32; 2]]) -> Result<Triangulation, SizeError> {
-    let vertices = points.iter().map(|p| SpadePoint::new(p.x, p.y)).collect();
-    let edges = sides.iter().filter(|s| s[0] != s[1]).map(|s| [s[0] as usize, s[1] as usize]).collect();
-    let cdt = ConstrainedDelaunayTriangulation::<SpadePoint<f64>>::try_bulk_load_cdt(vertices, edges, |_| ())
-        .map_err(|_| SizeError::NoArea)?;
+    let cdt = constrained(points.iter().copied(), sides.iter().copied()).map_err(|_| SizeError::NoArea)?.cdt;
     let n = cdt.num_inner_faces();
     let mut out = Triangulation {
         corners: Vec::with_capacity(n),
@@ -102,7 +100,7 @@ pub(crate) fn triangulate(points: &[Point2], sides: &[[u32; 2]]) -> Result<Trian
         // Side k of spade's face runs from corner k to corner k + 1: it is opposite to corner k + 2.
         let e = face.adjacent_edges();
         let side = |k: usize| &e[(k + 1) % 3];
-        out.corners.push([0, 1, 2].map(|k| e[k].from().fix().index() as u32));
+        out.corners.push([0, 1, 2].map(|k| e[k].from().data().index));
         out.across.push(
             [0, 1, 2].map(|k| side(k).rev().face().as_inner().map_or(NONE, |f| f.fix().index() as u32 - 1)),
         );
@@ -111,8 +109,8 @@ pub(crate) fn triangulate(points: &[Point2], sides: &[[u32; 2]]) -> Result<Trian
     Ok(canonical(&out))
 }
 
-/// The same triangles, each beginning with its smallest node, in ascending order: spade's own order differs from run to
-/// run (it hashes with random seeds), and rounding depends on the order of the corners.
+/// The same triangles, each beginning with its smallest node, in ascending order: rounding depends on the order of the
+/// corners, and no number should depend on how spade works.
 fn canonical(t: &Triangulation) -> Triangulation {
     let first = |c: &[u32; 3]| (0..3).min_by_key(|&k| c[k]).unwrap_or(0);
     let turn = |c: [u32; 3], k: usize| [c[k], c[(k + 1) % 3], c[(k + 2) % 3]];

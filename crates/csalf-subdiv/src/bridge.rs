@@ -21,8 +21,9 @@
 
 use csalf_geom::{Point2, angle, cone::in_cone};
 use csalf_mesh::{Contour, NodeFlags};
+use csalf_sizemap::cdt::{Constrained, constrained};
 use csalf_sizemap::{Hint, SizeField, line::LineSizes};
-use spade::{ConstrainedDelaunayTriangulation, Point2 as SpadePoint, Triangulation};
+use spade::Triangulation;
 
 /// The parts of one region: cyclic walks of node ids, material on the left. A walk of one node is a hard point.
 #[derive(Clone, Copy, Debug)]
@@ -188,23 +189,19 @@ fn choose(
         if local_of[v as usize] == u32::MAX {
             local_of[v as usize] = nodes.len() as u32;
             nodes.push(v);
-            let p = input.points[v as usize];
-            vertices.push(crate::triangulable(p));
+            vertices.push(input.points[v as usize]);
         }
     }
     let mut edges = Vec::new();
     for walk in input.walks.iter().filter(|w| w.len() > 1) {
         for (i, &v) in walk.iter().enumerate() {
             let w = walk[(i + 1) % walk.len()];
-            edges.push([local_of[v as usize] as usize, local_of[w as usize] as usize]);
+            edges.push([local_of[v as usize], local_of[w as usize]]);
         }
     }
-    let mut conflicts = 0;
-    let cdt = ConstrainedDelaunayTriangulation::<SpadePoint<f64>>::try_bulk_load_cdt(vertices, edges, |_| {
-        conflicts += 1
-    })
-    .map_err(|e| BridgeError::Triangulation(e.to_string()))?;
-    if conflicts > 0 || cdt.num_vertices() != nodes.len() {
+    let Constrained { cdt, conflict, .. } =
+        constrained(vertices, edges).map_err(|e| BridgeError::Triangulation(e.to_string()))?;
+    if conflict.is_some() || cdt.num_vertices() != nodes.len() {
         return Err(BridgeError::Triangulation("crossing or coincident walks".into()));
     }
     let mut candidates = Vec::new();
@@ -212,7 +209,7 @@ fn choose(
         if e.is_constraint_edge() {
             continue;
         }
-        let [a, b] = e.vertices().map(|v| nodes[v.fix().index()]);
+        let [a, b] = e.vertices().map(|v| nodes[v.data().index as usize]);
         let (pa, pb) = (input.points[a as usize], input.points[b as usize]);
         let (Some(i), Some(j)) = (occ.facing(a, pb), occ.facing(b, pa)) else { continue };
         if occ.walk(i) == occ.walk(j) {

@@ -19,10 +19,9 @@
 use super::FallbackError;
 use csalf_geom::{Point2, predicates::is_left};
 use csalf_mesh::Contour;
+use csalf_sizemap::cdt::{Cdt, Constrained, Node, constrained};
 use spade::handles::{FixedDirectedEdgeHandle, FixedVertexHandle};
-use spade::{ConstrainedDelaunayTriangulation, PositionInTriangulation, Triangulation};
-
-type Cdt = ConstrainedDelaunayTriangulation<spade::Point2<f64>>;
+use spade::{PositionInTriangulation, Triangulation};
 
 const NONE: u32 = u32::MAX;
 
@@ -49,9 +48,9 @@ pub(super) fn triangulate(
     inner_points: bool,
 ) -> Result<Inner, FallbackError> {
     let n = contour.len();
-    let (vertex, points) = weld(contour)?;
+    let (mut vertex, points) = weld(contour)?;
     let n_nodes = points.len();
-    let mut cdt = load(&vertex, points)?;
+    let mut cdt = load(&mut vertex, points)?;
     let mut segment = segments(&cdt, &vertex)?;
     if inner_points {
         let inside = flood(&cdt, &segment)?;
@@ -120,14 +119,13 @@ fn weld(contour: &Contour) -> Result<(Vec<u32>, Vec<Point2>), FallbackError> {
 }
 
 /// The constrained Delaunay triangulation of the nodes. Coordinates that differ from 0 by less than the library
-/// accepts are taken as 0; the final checks use the true ones.
-fn load(vertex: &[u32], points: Vec<Point2>) -> Result<Cdt, FallbackError> {
-    let points = points.into_iter().map(crate::triangulable).collect::<Vec<_>>();
+/// accepts are taken as 0; the final checks use the true ones. `vertex`: nodes come in, vertices go out.
+fn load(vertex: &mut [u32], points: Vec<Point2>) -> Result<Cdt, FallbackError> {
     let n = vertex.len();
     let n_nodes = points.len();
     let mut edges = Vec::with_capacity(n);
     for i in 0..n {
-        let (a, b) = (vertex[i] as usize, vertex[(i + 1) % n] as usize);
+        let (a, b) = (vertex[i], vertex[(i + 1) % n]);
         if a == b {
             return Err(FallbackError::Coincident { a: i, b: (i + 1) % n });
         }
@@ -135,12 +133,11 @@ fn load(vertex: &[u32], points: Vec<Point2>) -> Result<Cdt, FallbackError> {
     }
     edges.sort_unstable();
     edges.dedup();
-    let mut conflict = None;
-    let cdt = Cdt::try_bulk_load_cdt(points, edges, |e| conflict = conflict.or(Some(e)))
-        .map_err(|_| FallbackError::NotFinite { at: 0 })?;
+    let made = constrained(points, edges).map_err(|_| FallbackError::NotFinite { at: 0 })?;
+    let Constrained { cdt, vertex: handle, conflict } = made;
     if let Some([a, b]) = conflict {
         let is = |i: usize| {
-            let (u, v) = (vertex[i] as usize, vertex[(i + 1) % n] as usize);
+            let (u, v) = (vertex[i], vertex[(i + 1) % n]);
             [u.min(v), u.max(v)] == [a, b]
         };
         return Err(FallbackError::Crossing { segment: (0..n).find(|&i| is(i)).unwrap_or(0) });
@@ -148,6 +145,7 @@ fn load(vertex: &[u32], points: Vec<Point2>) -> Result<Cdt, FallbackError> {
     if cdt.num_vertices() != n_nodes {
         return Err(FallbackError::Coincident { a: 0, b: 0 });
     }
+    vertex.iter_mut().for_each(|v| *v = handle[*v as usize].index() as u32);
     Ok(cdt)
 }
 
@@ -335,7 +333,7 @@ fn insert_inner_points(cdt: &mut Cdt, contour: &Contour, vertex: &[u32], inside:
             if corners.iter().any(|c| c.distance(q) < CORNER_DISTANCE * h) {
                 continue;
             }
-            let Ok(v) = cdt.insert_with_hint(spade::Point2::new(q.x, q.y), near) else { continue };
+            let Ok(v) = cdt.insert_with_hint(Node::new(q), near) else { continue };
             if v.index() == size.len() {
                 size.push(GROWTH * h);
             }
