@@ -28,6 +28,18 @@ fn config(cases: u32) -> ProptestConfig {
     }
 }
 
+/// Triangulations hash with seeds that differ from one to the next, even in one process: the mesh must not show it.
+#[test]
+fn the_same_job_gives_the_same_bytes_again() {
+    // Nasty ones need triangulations most: bridges, sizes, fallbacks.
+    for seed in 0..12 {
+        let (job, base) = job(seed, &Recipe { nasty: Some(true), ..RECIPE });
+        let run = || csalf_core::mesh(&job, &base).unwrap_or_else(|e| panic!("seed {seed}: {e}")).mesh;
+        let first = run();
+        assert!((0..3).all(|_| same_bytes(&first, &run())), "seed {seed}");
+    }
+}
+
 fn mesh(job: &Job, options: &Options) -> Result<Meshed, TestCaseError> {
     csalf_core::mesh(job, options).map_err(|e| TestCaseError::fail(format!("{}: {e}", job.name)))
 }
