@@ -136,7 +136,7 @@ fn draw(job: &Job, method: &str, m: &Meshed, e: &Experiment) -> Result<String, S
         .map(|(name, ids)| (name.clone(), ids.iter().filter_map(|q| number[q.index()]).collect()));
     let sets = NamedSets { quads: quads.collect(), ..NamedSets::default() };
     let title = format!("{} by {method}", job.name);
-    let view = MeshView { mesh: &part, sets: &sets, cell_data: &[], title: &title };
+    let view = MeshView { mesh: &part, heights: &[], sets: &sets, cell_data: &[], title: &title };
     let mut out = Vec::new();
     picture::write_svg(&view, &mut out).map_err(|e| e.to_string())?;
     String::from_utf8(out).map_err(|e| e.to_string())

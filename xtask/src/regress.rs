@@ -137,6 +137,7 @@ fn write_picture(case: &Path, job: &Job, run: &judge::Run) -> Outcome {
     let fail = |e: &dyn std::fmt::Display| format!("{}: {e}", case.display());
     let view = MeshView {
         mesh: &run.meshed.mesh,
+        heights: &[],
         sets: &run.meshed.sets,
         cell_data: &[],
         title: job.about.as_str(),

@@ -11,7 +11,8 @@ fn main() -> Result<(), IoError> {
     let (mesh, sets) = grid(side);
     let layer: Vec<f64> = (0..mesh.quads.len() + mesh.triangles.len()).map(|i| (i % 3) as f64).collect();
     let cell_data = [CellData { name: "layer".into(), values: layer }];
-    let view = MeshView { mesh: &mesh, sets: &sets, cell_data: &cell_data, title: "a sheared grid" };
+    let view =
+        MeshView { mesh: &mesh, heights: &[], sets: &sets, cell_data: &cell_data, title: "a sheared grid" };
     for &format in MeshFormat::ALL {
         let path = dir.join(format!("grid_{}.{}", format.name(), format.extensions()[0]));
         let file = std::fs::File::create(&path).map_err(IoError::Write)?;

@@ -61,10 +61,9 @@ pub fn write_with(out: &MeshView<'_>, mid: Option<&MidNodes>, w: &mut dyn Write)
         write_set("ELEMENTS", name, quads.iter().map(|q| q.0).collect(), w)?;
     }
     writeln!(w, "BEGIN BULK")?;
-    let more = mid.into_iter().flat_map(MidNodes::points);
-    for (i, p) in mesh.points.iter().copied().chain(more).enumerate() {
-        writeln!(w, "GRID*   {:<16}{:<16}{:<16}{:<16}*", i + 1, "", field(p.x), field(p.y))?;
-        writeln!(w, "*       {:<16}", "0.")?;
+    for (i, [x, y, z]) in out.all_xyz(mid).enumerate() {
+        writeln!(w, "GRID*   {:<16}{:<16}{:<16}{:<16}*", i + 1, "", field(x), field(y))?;
+        writeln!(w, "*       {:<16}", field(z))?;
     }
     for (i, q) in mesh.quads.iter().enumerate() {
         if let Some(m) = mid {

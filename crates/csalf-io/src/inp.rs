@@ -64,9 +64,8 @@ pub fn write_with(out: &MeshView<'_>, how: &WriteOptions<'_>, w: &mut dyn Write)
     }
     let (quad, triangle) = how.element.names(how.mid.is_some());
     writeln!(w, "*HEADING\n{}\n*NODE, NSET=NALL", one_line(out.title).replace('*', " "))?;
-    let more = how.mid.into_iter().flat_map(MidNodes::points);
-    for (i, p) in mesh.points.iter().copied().chain(more).enumerate() {
-        writeln!(w, "{}, {}, {}, 0.0", i + 1, Num20(p.x), Num20(p.y))?;
+    for (i, [x, y, z]) in out.all_xyz(how.mid).enumerate() {
+        writeln!(w, "{}, {}, {}, {}", i + 1, Num20(x), Num20(y), Num20(z))?;
     }
     if !mesh.quads.is_empty() {
         writeln!(w, "*ELEMENT, TYPE={quad}, ELSET=EALL")?;

@@ -9,6 +9,7 @@
 //! | [`msh`] | meshes, and jobs from line elements | meshes (4.1 and 2.2) |
 //! | [`vtu`], [`inp`], [`bdf`], [`obj`] | meshes | meshes |
 //! | [`exodus`], [`foam`], [`su2`], [`unv`] | | meshes |
+//! | [`facets`] | triangles in space | |
 //! | [`picture`] | | SVG and PNG pictures |
 //!
 //! [`read_job`], [`read_mesh`] and [`write_mesh`] choose by the name of a file or by a given format. No reader
@@ -20,6 +21,7 @@ mod curves;
 pub mod dxf;
 pub mod error;
 pub mod exodus;
+pub mod facets;
 pub mod foam;
 pub mod format;
 pub mod geojson;

@@ -1,5 +1,6 @@
 //! A mesh with its sets and values, as files hold it.
 
+use crate::MidNodes;
 use csalf_mesh::{NamedSets, QuadMesh};
 
 /// One number per element: quads first, then triangles.
@@ -14,14 +15,29 @@ pub struct CellData {
 /// What a writer is given.
 #[derive(Clone, Copy, Debug)]
 pub struct MeshView<'a> {
-    /// The mesh.
+    /// The mesh; of one in space (`csalf_mesh::SurfaceMesh::split`), seen from above.
     pub mesh: &'a QuadMesh,
+    /// Third coordinate of each vertex; empty: the mesh lies in the plane z = 0. Pictures leave it out.
+    pub heights: &'a [f64],
     /// Its named groups.
     pub sets: &'a NamedSets,
     /// Values per element; formats that hold none leave them out.
     pub cell_data: &'a [CellData],
     /// One line for the head of the file.
     pub title: &'a str,
+}
+
+impl MeshView<'_> {
+    /// The three coordinates of every vertex.
+    pub(crate) fn xyz(&self) -> impl Iterator<Item = [f64; 3]> + '_ {
+        let height = |i: usize| self.heights.get(i).copied().unwrap_or(0.0);
+        self.mesh.points.iter().enumerate().map(move |(i, p)| [p.x, p.y, height(i)])
+    }
+
+    /// The same, then those of mid-side nodes, which lie in the plane.
+    pub(crate) fn all_xyz<'b>(&'b self, mid: Option<&'b MidNodes>) -> impl Iterator<Item = [f64; 3]> + 'b {
+        self.xyz().chain(mid.into_iter().flat_map(MidNodes::points).map(|p| [p.x, p.y, 0.0]))
+    }
 }
 
 /// What a reader gives back.
@@ -40,6 +56,6 @@ pub struct MeshData {
 impl MeshData {
     /// The same, as a writer takes it.
     pub fn view<'a>(&'a self, title: &'a str) -> MeshView<'a> {
-        MeshView { mesh: &self.mesh, sets: &self.sets, cell_data: &self.cell_data, title }
+        MeshView { mesh: &self.mesh, heights: &[], sets: &self.sets, cell_data: &self.cell_data, title }
     }
 }

@@ -20,8 +20,9 @@ fn word(name: &str) -> String {
 /// [`IoError::Write`].
 pub fn write(out: &MeshView<'_>, w: &mut dyn Write) -> Result<(), IoError> {
     writeln!(w, "# {}", one_line(out.title))?;
-    for p in &out.mesh.points {
-        writeln!(w, "v {} {} 0", Num(p.x), Num(p.y))?;
+    for [x, y, z] in out.xyz() {
+        let z = if z == 0.0 { "0".to_owned() } else { Num(z).to_string() };
+        writeln!(w, "v {} {} {z}", Num(x), Num(y))?;
     }
     let mut groups = vec![Vec::new(); out.mesh.quads.len()];
     for (k, (_, quads)) in out.sets.quads.iter().enumerate() {

@@ -2,6 +2,7 @@
 //! meshers stand.
 //!
 //! - [`QuadMesh`]: points and quads, structure of arrays, nothing derived.
+//! - [`SurfaceMesh`]: the same in space.
 //! - [`QuadTopology`]: twins, vertex stars and boundary of a mesh, built from it; knows no coordinates.
 //! - [`quality`] and [`validate()`]: how good a mesh is, and whether it is what was asked for.
 //! - [`RegionMesher`]: the seam. A mesher sees a [`RegionTask`] (a contour as a ring of points) and returns a
@@ -10,11 +11,13 @@
 pub mod mesher;
 pub mod quad_mesh;
 pub mod quality;
+pub mod surface_mesh;
 pub mod topology;
 pub mod validate;
 
 pub use mesher::{Appraisal, Contour, NodeFlags, Patch, Recipe, Refusal, RegionMesher, RegionTask};
 pub use quad_mesh::{NamedSets, QuadMesh};
 pub use quality::QualityReport;
+pub use surface_mesh::SurfaceMesh;
 pub use topology::QuadTopology;
 pub use validate::{Expectation, MeshDefect, certify, is_strictly_convex, validate};

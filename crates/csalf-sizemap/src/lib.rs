@@ -28,4 +28,5 @@ pub use field::{Hint, SizeField};
 pub use gradation::graded;
 pub use sources::Sources;
 pub use spec::{SizeSpec, Source};
+pub use triangulate::triangulate_loops;
 pub use uniform::Uniform;

@@ -171,9 +171,57 @@ pub(crate) fn inside_loops(t: &Triangulation, sides: &[[u32; 2]]) -> Vec<bool> {
     inside
 }
 
+/// Constrained Delaunay triangles, counter-clockwise, of the area inside an odd number of the loops; points that are on
+/// no loop become vertices inside. Points must be distinct. A side of a loop that another crosses is not kept: compare
+/// the boundary of the triangles with the loops where that may be. O(n log n).
+///
+/// # Errors
+/// [`SizeError::NoArea`] if all points lie on one line, or two are equal, or one is not finite.
+pub fn triangulate_loops(points: &[Point2], loops: &[Vec<u32>]) -> Result<Vec<[u32; 3]>, SizeError> {
+    let fits = |l: &Vec<u32>| l.iter().all(|&v| (v as usize) < points.len());
+    if points.iter().any(|p| !p.is_finite()) || !loops.iter().all(fits) {
+        return Err(SizeError::NoArea);
+    }
+    let scale = scale_of(points);
+    let scaled: Vec<Point2> = points.iter().map(|&p| normalised(p, scale)).collect();
+    if merge(&scaled).1.len() != points.len() {
+        return Err(SizeError::NoArea);
+    }
+    let sides: Vec<[u32; 2]> =
+        loops.iter().flat_map(|l| (0..l.len()).map(|i| [l[i], l[(i + 1) % l.len()]])).collect();
+    let t = triangulate(&scaled, &sides)?;
+    let inside = inside_loops(&t, &sides);
+    Ok(t.corners.iter().zip(inside).filter(|(_, inside)| *inside).map(|(c, _)| *c).collect())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn loops_are_triangulated_without_their_holes() {
+        let p = |x: f64, y: f64| Point2::new(x, y);
+        let pts = [
+            p(0., 0.),
+            p(4., 0.),
+            p(4., 4.),
+            p(0., 4.),
+            p(1., 1.),
+            p(1., 2.),
+            p(2., 2.),
+            p(2., 1.),
+            p(3., 3.),
+        ];
+        let t = triangulate_loops(&pts, &[vec![0, 1, 2, 3], vec![4, 5, 6, 7]]).unwrap();
+        let area = |t: &[u32; 3]| {
+            let [a, b, c] = t.map(|v| pts[v as usize]);
+            0.5 * (b - a).perp_dot(c - a)
+        };
+        assert_eq!(t.iter().map(area).sum::<f64>(), 15.0);
+        assert!(t.iter().all(|t| area(t) > 0.0) && t.iter().flatten().any(|&v| v == 8));
+        assert!(triangulate_loops(&[pts[0], pts[1], pts[0]], &[vec![0, 1, 2]]).is_err());
+        assert!(triangulate_loops(&pts, &[vec![0, 1, 99]]).is_err());
+    }
 
     fn ring(n: u32, start: u32) -> Vec<[u32; 2]> {
         (0..n).map(|i| [start + i, start + (i + 1) % n]).collect()

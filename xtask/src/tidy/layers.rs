@@ -1,8 +1,10 @@
 //! Who may import whom: strictly downward, never sideways.
 //!
 //! ```text
-//!   7  py  bench                         xtask and the testkit stand beside the tower:
-//!   6  cli
+//!   9  py
+//!   8  cli                             bench and xtask stand above, the testkit beside the tower:
+//!   7  step
+//!   6  model
 //!   5  surface  io                       xtask may see all; the testkit all up to io,
 //!   4  core                              and anyone may use it in tests
 //!   3  pave  subdiv  tfi  clean
@@ -17,7 +19,7 @@ use super::{list, text};
 use serde_json::Value;
 
 /// The layer of each crate of ours.
-const LAYERS: [(&str, u32); 15] = [
+const LAYERS: [(&str, u32); 17] = [
     ("csalf-geom", 0),
     ("csalf-sizemap", 1),
     ("csalf-mesh", 2),
@@ -29,10 +31,12 @@ const LAYERS: [(&str, u32); 15] = [
     ("csalf-surface", 5),
     ("csalf-io", 5),
     ("csalf-testkit", 6),
-    ("csalf-cli", 6),
-    ("csalf-py", 7),
-    ("csalf-bench", 7),
-    ("xtask", 8),
+    ("csalf-model", 6),
+    ("csalf-step", 7),
+    ("csalf-cli", 8),
+    ("csalf-py", 9),
+    ("csalf-bench", 9),
+    ("xtask", 10),
 ];
 
 /// Third-party crates that only some of ours may use, because a rule hangs on it.

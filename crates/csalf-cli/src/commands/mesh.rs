@@ -7,6 +7,7 @@
 //!
 //! An input with several outlines gives one mesh each; one that fails does not lose the others.
 
+use super::model;
 use crate::args::MeshArgs;
 use crate::exit::Failure;
 use crate::files::{self, Output};
@@ -29,6 +30,9 @@ use std::sync::Arc;
 /// # Errors
 /// A [`Failure`]; of several outlines, that of the first one that failed.
 pub fn run(args: &MeshArgs, level: i32) -> Result<(), Failure> {
+    if let Some(format) = args.input.as_deref().and_then(|p| model::format(p, args.input_format.as_deref())) {
+        return super::with_json(args.json, model::mesh(args, format, level));
+    }
     let mut json = args.json;
     let result = settle(args).and_then(|plan| {
         json |= plan.args.json;
@@ -319,7 +323,7 @@ pub fn mesh_one(job: &Job, request: &Request<'_>) -> Result<Done, Failure> {
     if !request.outputs.is_empty() {
         let cell_data = [scaled_jacobians(&meshed)];
         let view =
-            MeshView { mesh: &meshed.mesh, sets: &meshed.sets, cell_data: &cell_data, title: &job.name };
+            MeshView { mesh: &meshed.mesh, heights: &[], sets: &meshed.sets, cell_data: &cell_data, title: &job.name };
         let mid = match (request.order, request.geometry) {
             (Order::First, _) => None,
             (Order::Second { centres }, None) => Some(MidNodes::new(&meshed.mesh, centres)),

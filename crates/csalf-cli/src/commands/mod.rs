@@ -6,6 +6,7 @@ pub mod demo;
 mod dry_run;
 pub mod info;
 pub mod mesh;
+pub mod model;
 
 use crate::args::{Args, Command};
 use crate::exit::Failure;

@@ -129,6 +129,12 @@ fn write_head(version: &str, groups: &[Group], w: &mut dyn Write) -> Result<(), 
     Ok(())
 }
 
+/// Three coordinates, as a line has them.
+fn line([x, y, z]: [f64; 3]) -> String {
+    let z = if z == 0.0 { "0".to_owned() } else { Num(z).to_string() };
+    format!("{} {} {z}", Num(x), Num(y))
+}
+
 /// Writes version 4.1.
 ///
 /// # Errors
@@ -144,7 +150,11 @@ pub fn write_41(out: &MeshView<'_>, w: &mut dyn Write) -> Result<(), IoError> {
 pub fn write_41_with(out: &MeshView<'_>, mid: Option<&MidNodes>, w: &mut dyn Write) -> Result<(), IoError> {
     let (groups, blocks) = layout(out)?;
     write_head("4.1", &groups, w)?;
-    let (lo, hi) = csalf_geom::polygon::bounds(out.mesh.points.iter().copied()).unwrap_or_default();
+    let xyz: Vec<[f64; 3]> = out.xyz().collect();
+    let first = xyz.first().copied().unwrap_or_default();
+    let bound =
+        |f: fn(f64, f64) -> f64| xyz.iter().fold(first, |b, p| [f(b[0], p[0]), f(b[1], p[1]), f(b[2], p[2])]);
+    let (lo, hi) = (line(bound(f64::min)), line(bound(f64::max)));
     // One entity may have several blocks; it is declared once.
     let mut entities: Vec<&Block<'_>> = Vec::new();
     for b in &blocks {
@@ -158,10 +168,10 @@ pub fn write_41_with(out: &MeshView<'_>, mid: Option<&MidNodes>, w: &mut dyn Wri
     for b in &entities {
         write!(w, "{} ", b.entity)?;
         if b.dim == 0 {
-            let p = b.elements.first().map_or(lo, |e| out.mesh.points[e[0].index()]);
-            write!(w, "{} {} 0", Num(p.x), Num(p.y))?;
+            let p = b.elements.first().map_or_else(|| lo.clone(), |e| line(xyz[e[0].index()]));
+            write!(w, "{p}")?;
         } else {
-            write!(w, "{} {} 0 {} {} 0", Num(lo.x), Num(lo.y), Num(hi.x), Num(hi.y))?;
+            write!(w, "{lo} {hi}")?;
         }
         write!(w, " {}", b.groups.len())?;
         for g in &b.groups {
@@ -170,7 +180,7 @@ pub fn write_41_with(out: &MeshView<'_>, mid: Option<&MidNodes>, w: &mut dyn Wri
         writeln!(w, "{}", if b.dim == 0 { "" } else { " 0" })?;
     }
     if count(2) == 0 {
-        writeln!(w, "1 {} {} 0 {} {} 0 1 1 0", Num(lo.x), Num(lo.y), Num(hi.x), Num(hi.y))?;
+        writeln!(w, "1 {lo} {hi} 1 1 0")?;
     }
     let n = out.mesh.points.len() + mid.map_or(0, MidNodes::n_nodes);
     // All nodes belong to surface 1, so that they stay in their order.
@@ -178,8 +188,9 @@ pub fn write_41_with(out: &MeshView<'_>, mid: Option<&MidNodes>, w: &mut dyn Wri
     for i in 1..=n {
         writeln!(w, "{i}")?;
     }
-    for p in all_points(out, mid) {
-        writeln!(w, "{} {} 0", Num(p.x), Num(p.y))?;
+    for p in out.all_xyz(mid) {
+    for (i, p) in out.all_xyz(mid).enumerate() {
+        writeln!(w, "{} {}", i + 1, line(p))?;
     }
     let n_elements: usize = blocks.iter().map(|b| b.elements.len()).sum();
     let n_blocks = blocks.iter().filter(|b| !b.elements.is_empty()).count();
@@ -213,8 +224,8 @@ pub fn write_22_with(out: &MeshView<'_>, mid: Option<&MidNodes>, w: &mut dyn Wri
     let (groups, blocks) = layout(out)?;
     write_head("2.2", &groups, w)?;
     writeln!(w, "$Nodes\n{}", out.mesh.points.len() + mid.map_or(0, MidNodes::n_nodes))?;
-    for (i, p) in all_points(out, mid).enumerate() {
-        writeln!(w, "{} {} {} 0", i + 1, Num(p.x), Num(p.y))?;
+    for (i, p) in out.all_xyz(mid).enumerate() {
+        writeln!(w, "{} {}", i + 1, line(p))?;
     }
     let n_elements: usize = blocks.iter().map(|b| b.elements.len()).sum();
     writeln!(w, "$EndNodes\n$Elements\n{n_elements}")?;
@@ -234,11 +245,6 @@ pub fn write_22_with(out: &MeshView<'_>, mid: Option<&MidNodes>, w: &mut dyn Wri
     }
     writeln!(w, "$EndElements")?;
     Ok(())
-}
-
-/// Vertices, then mid-side nodes.
-fn all_points<'a>(out: &MeshView<'a>, mid: Option<&'a MidNodes>) -> impl Iterator<Item = Point2> + 'a {
-    out.mesh.points.iter().copied().chain(mid.into_iter().flat_map(MidNodes::points))
 }
 
 /// The nodes of an element; `quads` counts those of four corners, which are numbered as in the mesh.

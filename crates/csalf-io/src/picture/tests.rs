@@ -16,7 +16,8 @@ fn good_quads_are_green_or_blue_and_bad_ones_red() {
     let (mesh, sets) = two_quads();
     let draw = |sets: &NamedSets| {
         let mut text = Vec::new();
-        write_svg(&MeshView { mesh: &mesh, sets, cell_data: &[], title: "a <b>" }, &mut text).unwrap();
+        write_svg(&MeshView { mesh: &mesh, heights: &[], sets, cell_data: &[], title: "a <b>" }, &mut text)
+            .unwrap();
         String::from_utf8(text).unwrap()
     };
     let (plain, layered) = (draw(&NamedSets::default()), draw(&sets));
@@ -31,7 +32,8 @@ fn good_quads_are_green_or_blue_and_bad_ones_red() {
 fn a_png_has_its_signature_and_size() {
     let (mesh, sets) = two_quads();
     let mut bytes = Vec::new();
-    write_png(&MeshView { mesh: &mesh, sets: &sets, cell_data: &[], title: "" }, &mut bytes).unwrap();
+    write_png(&MeshView { mesh: &mesh, heights: &[], sets: &sets, cell_data: &[], title: "" }, &mut bytes)
+        .unwrap();
     assert_eq!(&bytes[..8], b"\x89PNG\r\n\x1a\n");
     let width = u32::from_be_bytes([bytes[16], bytes[17], bytes[18], bytes[19]]);
     assert_eq!(width, 1104);
@@ -41,11 +43,11 @@ fn a_png_has_its_signature_and_size() {
 fn broken_meshes_are_refused() {
     let (mut mesh, sets) = two_quads();
     mesh.points[0].x = f64::NAN;
-    let view = MeshView { mesh: &mesh, sets: &sets, cell_data: &[], title: "" };
+    let view = MeshView { mesh: &mesh, heights: &[], sets: &sets, cell_data: &[], title: "" };
     assert!(write_svg(&view, &mut Vec::new()).is_err());
     mesh.points.truncate(2);
-    let view = MeshView { mesh: &mesh, sets: &sets, cell_data: &[], title: "" };
+    let view = MeshView { mesh: &mesh, heights: &[], sets: &sets, cell_data: &[], title: "" };
     assert!(write_png(&view, &mut Vec::new()).is_err());
-    let empty = MeshView { mesh: &QuadMesh::default(), sets: &sets, cell_data: &[], title: "" };
+    let empty = MeshView { mesh: &QuadMesh::default(), heights: &[], sets: &sets, cell_data: &[], title: "" };
     assert!(write_png(&empty, &mut Vec::new()).is_ok());
 }

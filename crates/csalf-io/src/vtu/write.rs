@@ -3,7 +3,7 @@
 //! ```text
 //!   <UnstructuredGrid>
 //!     <FieldData>   nset:NAME, eset:NAME (pairs), qset:NAME     sets, as vertex and cell numbers
-//!     <Piece>       CellData, Points (z = 0), Cells
+//!     <Piece>       CellData, Points, Cells
 //!   <AppendedData>  _ [u64 length][bytes] [u64 length][bytes] ...
 //! ```
 
@@ -169,7 +169,7 @@ fn grid_arrays(out: &MeshView<'_>, mid: Option<&MidNodes>) -> Vec<Array> {
         return quadratic_arrays(out, mid);
     }
     let (mesh, nq, nt) = (out.mesh, out.mesh.quads.len(), out.mesh.triangles.len());
-    let xyz = mesh.points.iter().flat_map(|p| [p.x, p.y, 0.0]);
+    let xyz = out.xyz().flatten();
     let corners = mesh.quads.iter().flatten().chain(mesh.triangles.iter().flatten()).map(|v| v.0);
     let ends = (1..=nq).map(|i| 4 * i).chain((1..=nt).map(|i| 4 * nq + 3 * i));
     let types = std::iter::repeat_n(VTK_QUAD, nq).chain(std::iter::repeat_n(VTK_TRIANGLE, nt));

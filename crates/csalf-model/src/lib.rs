@@ -1,0 +1,26 @@
+//! Layer 6 of csalf: whole models. [`mesh_model`] takes a [`Model`] (a boundary representation filled from a STEP file
+//! or from facets) and returns one conforming quad mesh of all its faces.
+//!
+//! ```text
+//!   Model ─check, sew─▶ Model ─plan─▶ nodes on edges ─each face─▶ chart, facets ─csalf_surface─▶ quads ─stitch─▶ mesh
+//!   brep                brep          plan                        face                                    mesh
+//! ```
+//!
+//! Every edge is discretised once, so that the faces beside it agree on its nodes. Faces are meshed in parallel; the
+//! mesh is put together by the numbers of the nodes on edges, never by comparing coordinates. Source: handbook 9, 10.
+
+pub mod brep;
+mod face;
+pub mod facets;
+pub mod geometry;
+mod mesh;
+pub mod names;
+pub mod plan;
+mod report;
+pub mod shapes;
+
+pub use brep::{Model, check_and_snap, sew};
+pub use csalf_surface::{LayerLaw, LayerSpec};
+pub use mesh::{ModelOptions, NamedLoop, mesh_model, named_loops};
+pub use plan::SizeRules;
+pub use report::{FaceFailure, LoopLayers, ModelMesh};

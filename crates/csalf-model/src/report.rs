@@ -1,0 +1,51 @@
+//! What came of a model.
+
+use csalf_core::Job;
+use csalf_mesh::{NamedSets, SurfaceMesh};
+
+/// A face without a mesh.
+#[derive(Clone, Debug)]
+pub struct FaceFailure {
+    /// Which face.
+    pub face: usize,
+    /// Its name.
+    pub name: String,
+    /// Why, in words.
+    pub message: String,
+    /// Its flat boundary as a job of the planar mesher, if it came so far.
+    pub case: Option<Job>,
+}
+
+/// Layers around one loop.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LoopLayers {
+    /// Name of the loop.
+    pub name: String,
+    /// Layers asked for.
+    pub asked: usize,
+    /// Layers made.
+    pub made: usize,
+    /// Why not more; empty if all were made.
+    pub why: String,
+}
+
+/// The mesh of a model.
+#[derive(Clone, Debug, Default)]
+pub struct ModelMesh {
+    /// One conforming mesh of all faces that could be meshed.
+    pub mesh: SurfaceMesh,
+    /// Faces and layers as quad sets, edges as edge sets, named after the model.
+    pub sets: NamedSets,
+    /// The face of each quad.
+    pub face_of_quad: Vec<u32>,
+    /// Faces without a mesh.
+    pub failures: Vec<FaceFailure>,
+    /// Layers of loops for which any were asked.
+    pub layers: Vec<LoopLayers>,
+    /// What could not be done better, and what was repaired, in words.
+    pub warnings: Vec<String>,
+    /// Sides of quads that belong to one quad only.
+    pub n_free_sides: usize,
+    /// Sides that belong to three quads or more.
+    pub n_branching_sides: usize,
+}
