@@ -50,7 +50,9 @@ pub enum Command {
     Check(CheckArgs),
     /// Mesh a built-in plate with a hole; leaves a mesh and a picture
     Demo(DemoArgs),
-    /// Tell what is in an outline or a mesh, without meshing
+    /// Sweep a planar mesh along a vector or a path into hexahedra
+    Sweep(SweepArgs),
+    /// Tell what is in an outline, a mesh or a model, without meshing
     Info(InfoArgs),
     /// Print the completion script of a shell
     #[command(hide = true)]
@@ -63,7 +65,8 @@ pub enum Command {
 /// Arguments of `csalf mesh`. Each long option is also a key of the `--config` file.
 #[derive(clap::Args, Clone, Debug, Default)]
 pub struct MeshArgs {
-    /// Outline to mesh: .json job, .geojson, .topojson, .poly, .dxf, .svg, .msh; `-` is standard input
+    /// Outline to mesh: .json job, .geojson, .topojson, .poly, .dxf, .svg, .msh; model: .step, .stl, .obj, .ply; `-` is
+    /// standard input
     #[arg(value_hint = ValueHint::FilePath, required_unless_present = "config")]
     pub input: Option<PathBuf>,
     /// Mesh or picture to write, format by extension; `-` is standard output; may be given several times
@@ -157,10 +160,33 @@ pub struct DemoArgs {
     pub output: PathBuf,
 }
 
+/// Arguments of `csalf sweep`.
+#[derive(clap::Args, Clone, Debug)]
+pub struct SweepArgs {
+    /// Planar mesh of quads: .vtu, .msh, .inp, .bdf, .obj; `-` is standard input
+    #[arg(value_hint = ValueHint::FilePath)]
+    pub mesh: PathBuf,
+    /// Mesh to write: .vtu, .inp (C3D8), .msh; `-` is standard output
+    #[arg(short, long, value_name = "OUT", value_hint = ValueHint::FilePath)]
+    pub output: PathBuf,
+    /// Along which path: a vector `X,Y,Z`, or points `X,Y,Z;X,Y,Z;...`
+    #[arg(long, value_name = "PATH", allow_hyphen_values = true)]
+    pub along: String,
+    /// Layers along the path: `COUNT[:LAW[:FIRST]]`, laws as of `csalf mesh --layers`
+    #[arg(long, value_name = "LAYERS", default_value = "10")]
+    pub layers: String,
+    /// Format of the input, in place of its extension
+    #[arg(long, value_name = "FORMAT")]
+    pub input_format: Option<String>,
+    /// Format of the output, in place of its extension: vtu, inp, msh22
+    #[arg(long, value_name = "FORMAT")]
+    pub format: Option<String>,
+}
+
 /// Arguments of `csalf info`.
 #[derive(clap::Args, Clone, Debug)]
 pub struct InfoArgs {
-    /// Outline or mesh; `-` is standard input
+    /// Outline, mesh or model; `-` is standard input
     #[arg(value_hint = ValueHint::FilePath)]
     pub input: PathBuf,
     /// Write what would be meshed as a job file, one per outline; `-` is standard output

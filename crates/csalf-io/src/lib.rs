@@ -10,6 +10,7 @@
 //! | [`vtu`], [`inp`], [`bdf`], [`obj`] | meshes | meshes |
 //! | [`exodus`], [`foam`], [`su2`], [`unv`] | | meshes |
 //! | [`facets`] | triangles in space | |
+//! | [`hex`] | | swept hexahedra |
 //! | [`picture`] | | SVG and PNG pictures |
 //!
 //! [`read_job`], [`read_mesh`] and [`write_mesh`] choose by the name of a file or by a given format. No reader
@@ -26,6 +27,7 @@ pub mod foam;
 pub mod format;
 pub mod geojson;
 mod graph;
+pub mod hex;
 pub mod inp;
 pub mod input;
 pub mod json;

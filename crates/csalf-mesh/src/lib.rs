@@ -12,6 +12,7 @@ pub mod mesher;
 pub mod quad_mesh;
 pub mod quality;
 pub mod surface_mesh;
+pub mod sweep;
 pub mod topology;
 pub mod validate;
 
@@ -19,5 +20,6 @@ pub use mesher::{Appraisal, Contour, NodeFlags, Patch, Recipe, Refusal, RegionMe
 pub use quad_mesh::{NamedSets, QuadMesh};
 pub use quality::QualityReport;
 pub use surface_mesh::SurfaceMesh;
+pub use sweep::{HexMesh, SweepError, sweep};
 pub use topology::QuadTopology;
 pub use validate::{Expectation, MeshDefect, certify, is_strictly_convex, validate};

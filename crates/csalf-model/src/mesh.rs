@@ -5,7 +5,7 @@
 //! ```
 
 use crate::brep::{LoopFeature, Model, loop_features};
-use crate::face::{Context, MeshedFace, NodeName, NodeTable, mesh_one};
+use crate::face::{Context, MeshedFace, NodeName, NodeTable, assign, mesh_one};
 use crate::names::loop_matches;
 use crate::plan::{EdgeNodes, Limits, Plan, SizeRules, plan};
 use crate::report::{FaceFailure, LoopLayers, ModelMesh};
@@ -22,6 +22,8 @@ pub struct ModelOptions {
     pub size: Option<SizeRules>,
     /// Layers by pattern of the loops' names (see [`loop_matches`]); a later entry overrides an earlier one.
     pub layers: Vec<(String, LayerSpec)>,
+    /// Hard points (weld spots) in space: each becomes a node of the nearest face, in a node set of its name.
+    pub points: Vec<(String, DVec3)>,
     /// Segments of edges that must not change, by pattern of names.
     pub counts: Vec<(String, usize)>,
     /// Options of the planar mesher. `threads` is the caller's business: the current rayon pool is used.
@@ -32,6 +34,11 @@ pub struct ModelOptions {
 const DEFAULT_SIZE: f64 = 1.0 / 40.0;
 /// Points closer than this share of the model's diagonal are on one surface, at one pole; what files carry.
 const NEAR: f64 = 1e-6;
+
+/// A model longer than this many sizes is a mistake in the units; its mesh would not fit into memory.
+const MOST_SIZES: f64 = 1e5;
+/// A hard point moved by more than this share of the diagonal is worth a word.
+const FAR: f64 = 1e-3;
 
 /// A loop of a face, by name.
 #[derive(Clone, Debug, PartialEq)]
@@ -85,6 +92,18 @@ pub fn mesh_model(model: &Model, options: &ModelOptions) -> ModelMesh {
         out.warnings.push("the model has no face, or its size is not a positive number".into());
         return out;
     }
+    if diagonal > MOST_SIZES * rules.size {
+        let message =
+            format!("the model is {:.1e} sizes long: the size is too small for it", diagonal / rules.size);
+        let fail = |(face, f): (usize, &crate::brep::Face)| FaceFailure {
+            face,
+            name: f.name.clone(),
+            message: message.clone(),
+            case: None,
+        };
+        out.failures = model.faces.iter().enumerate().map(fail).collect();
+        return out;
+    }
     let loops = named_loops(model);
     let layers = layers_by_loop(model, options, &loops);
     let limits = limits(model, options, &layers);
@@ -103,18 +122,28 @@ pub fn mesh_model(model: &Model, options: &ModelOptions) -> ModelMesh {
         layers: &layers,
         tolerance: NEAR * diagonal,
     };
+    let given: Vec<DVec3> = options.points.iter().map(|p| p.1).collect();
+    let (hard, distances) = assign(&cx, &given);
+    for ((name, _), d) in options.points.iter().zip(&distances) {
+        if !d.is_finite() {
+            out.warnings.push(format!("no face has the point {name} above or below it; it was left out"));
+        } else if *d > FAR * diagonal {
+            out.warnings.push(format!("the point {name} was moved by {d:.3e} to its face"));
+        }
+    }
     let faces: Vec<Result<MeshedFace, Box<FaceFailure>>> = {
         let _span = tracing::info_span!("csalf.faces", n_faces = model.faces.len()).entered();
         (0..model.faces.len())
             .into_par_iter()
             .map(|f| {
-                let meshed = mesh_one(&cx, f);
+                let meshed = mesh_one(&cx, f, &hard[f]);
                 tracing::debug!(target: "csalf::face", face = f, failed = meshed.is_err());
                 meshed
             })
             .collect()
     };
-    stitch(model, &table, &loops, &layers, faces, &mut out);
+    let names: Vec<&str> = options.points.iter().map(|p| p.0.as_str()).collect();
+    stitch(model, &table, &Names { loops: &loops, layers: &layers, points: &names }, faces, &mut out);
     out
 }
 
@@ -203,12 +232,19 @@ fn number_nodes(model: &Model, edges: &[EdgeNodes]) -> NodeTable {
     table
 }
 
+/// What the sets are named after.
+struct Names<'a> {
+    loops: &'a [NamedLoop],
+    /// Layers asked for by the caller, per face and loop.
+    layers: &'a [Vec<Option<LayerSpec>>],
+    points: &'a [&'a str],
+}
+
 /// One mesh of all faces, by the names of their nodes.
 fn stitch(
     model: &Model,
     table: &NodeTable,
-    loops: &[NamedLoop],
-    layers: &[Vec<Option<LayerSpec>>],
+    given: &Names<'_>,
     faces: Vec<Result<MeshedFace, Box<FaceFailure>>>,
     out: &mut ModelMesh,
 ) {
@@ -229,7 +265,7 @@ fn stitch(
     let mut loop_at = 0;
     for (f, result) in faces.into_iter().enumerate() {
         let face = &model.faces[f];
-        let names = &loops[loop_at..loop_at + face.loops.len()];
+        let names = &given.loops[loop_at..loop_at + face.loops.len()];
         loop_at += face.loops.len();
         let m = match result {
             Ok(m) => m,
@@ -255,10 +291,15 @@ fn stitch(
             let quads = quads.iter().map(|q| id(first_quad + *q as usize)).collect();
             out.sets.quads.push((format!("{}_layer{layer}", l.name), quads));
         }
-        let by_user = |k: usize| layers[f].get(k).is_some_and(Option::is_some);
+        let by_user = |k: usize| given.layers[f].get(k).is_some_and(Option::is_some);
         for (k, asked, made, why) in m.layers.into_iter().filter(|l| by_user(l.0)) {
             let name = names.get(k).map_or_else(|| format!("{} loop {k}", face.name), |l| l.name.clone());
             out.layers.push(LoopLayers { name, asked, made, why });
+        }
+        for &(point, k) in &m.hard {
+            let node = own.get(k as usize).copied().filter(|v| *v != u32::MAX);
+            let name = given.points.get(point);
+            out.sets.nodes.extend(name.zip(node).map(|(n, v)| ((*n).to_owned(), vec![VertexId(v)])));
         }
         out.warnings.extend(m.warnings);
     }

@@ -136,3 +136,19 @@ fn the_mesh_is_the_same_bits_whatever_the_threads() {
     };
     assert!(run(1) == run(2));
 }
+
+#[test]
+fn weld_spots_become_nodes_of_their_face() {
+    let part = extrude(&[rectangle(40.0, 20.0), vec![circle(DVec2::new(20.0, 10.0), 4.0).reversed()]], 3.0);
+    let mut o = options(2.0);
+    o.points =
+        vec![("spot1".into(), DVec3::new(7.3, 6.1, 3.05)), ("spot2".into(), DVec3::new(33.0, 12.0, -0.01))];
+    let m = mesh_model(&part, &o);
+    check(&part, &m, 0.1);
+    let at = |name: &str| {
+        let (_, nodes) = m.sets.nodes.iter().find(|(n, _)| n == name).expect("the set");
+        m.mesh.points[nodes[0].index()]
+    };
+    assert_eq!((at("spot1"), at("spot2")), (DVec3::new(7.3, 6.1, 3.0), DVec3::new(33.0, 12.0, 0.0)));
+    assert_eq!(m.n_free_sides, 0);
+}

@@ -7,6 +7,7 @@ mod dry_run;
 pub mod info;
 pub mod mesh;
 pub mod model;
+pub mod sweep;
 
 use crate::args::{Args, Command};
 use crate::exit::Failure;
@@ -21,6 +22,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         Command::Mesh(a) => mesh::run(a, level),
         Command::Check(a) => check::run(a, level),
         Command::Demo(a) => demo::run(a, level),
+        Command::Sweep(a) => sweep::run(a, level),
         Command::Info(a) => info::run(a, level),
         Command::Completions { shell } => completions::run(*shell),
     }

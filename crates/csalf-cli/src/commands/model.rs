@@ -105,7 +105,7 @@ pub fn mesh(args: &MeshArgs, format: &str, level: i32) -> Result<(), Failure> {
         gradation: args.gradation,
         ..Options::default()
     };
-    let options = ModelOptions { size, layers: table, counts: Vec::new(), mesher };
+    let options = ModelOptions { size, layers: table, mesher, ..ModelOptions::default() };
     let (meshed, seconds) = timed(|| mesh_model(&model, &options));
     if level >= 0 {
         say::warnings(&shown, &meshed.warnings);

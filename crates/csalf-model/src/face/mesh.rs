@@ -3,8 +3,9 @@
 use super::chart::Chart;
 use super::facets::{Beneath, ChartFacets, facets};
 use super::open::{Opened, open, open_sphere};
+use super::points::Hard;
 use super::trim::{UvLoop, UvNode, chain_nodes, trim_loop, without_seams};
-use super::{NodeName, NodeTable, case, closed, patch};
+use super::{NodeName, NodeTable, case, closed, patch, points};
 use crate::brep::{Face, FaceShape, Model};
 use crate::geometry::{Inverter, Surface};
 use crate::plan::{Plan, SizeRules};
@@ -41,35 +42,43 @@ pub(crate) struct MeshedFace {
     pub(crate) rings: Vec<(usize, usize, Vec<u32>)>,
     /// Per loop of the face: layers asked for, made, why not more.
     pub(crate) layers: Vec<(usize, usize, usize, String)>,
+    /// Hard points: which of the given ones, and its number among the face's own nodes.
+    pub(crate) hard: Vec<(usize, u32)>,
     /// What could not be done better, in words.
     pub(crate) warnings: Vec<String>,
 }
 
-/// Meshes the face with this index.
-pub(crate) fn mesh_one(cx: &Context<'_>, index: usize) -> Result<MeshedFace, Box<FaceFailure>> {
+/// Meshes the face with this index, with hard points.
+pub(crate) fn mesh_one(
+    cx: &Context<'_>,
+    index: usize,
+    hard: &[Hard],
+) -> Result<MeshedFace, Box<FaceFailure>> {
     let face = &cx.model.faces[index];
     let fail = |message: String, case: Option<Job>| {
         Box::new(FaceFailure { face: index, name: face.name.clone(), message, case })
     };
     match &face.shape {
-        FaceShape::Facets(p) => patch::mesh_patch(cx, index, p).map_err(|m| fail(m, None)),
+        FaceShape::Facets(p) => patch::mesh_patch(cx, index, p, hard).map_err(|m| fail(m, None)),
         FaceShape::Surface(surface, forward) => {
             let uses = without_seams(&face.loops, surface);
             if uses.is_empty() && face.loops.iter().all(|l| l.vertex.is_none() || !l.uses.is_empty()) {
                 return closed::mesh_closed(cx, face, surface, *forward).map_err(|m| fail(m, None));
             }
             let inverter = Inverter::new(surface);
-            let opened = open_face(cx, face, &inverter, *forward).map_err(|m| fail(m, None))?;
+            let mut opened = open_face(cx, face, &inverter, *forward).map_err(|m| fail(m, None))?;
+            let hard = points::add(&mut opened, &inverter, hard);
             let faceted =
                 facets(&opened, *forward).map_err(|m| fail(m, Some(case::of_chart(face, &opened))))?;
             mesh_chart(cx, index, &inverter, &opened, &faceted)
+                .map(|m| MeshedFace { hard, ..m })
                 .map_err(|m| fail(m, Some(case::of_chart(face, &opened))))
         }
     }
 }
 
 /// The face's loops in a chart.
-fn open_face<'a>(
+pub(super) fn open_face<'a>(
     cx: &Context<'_>,
     face: &Face,
     inverter: &Inverter<'a>,

@@ -8,9 +8,11 @@ mod facets;
 mod mesh;
 mod open;
 mod patch;
+mod points;
 mod trim;
 
 pub(crate) use mesh::{Context, MeshedFace, mesh_one};
+pub(crate) use points::assign;
 
 use glam::DVec3;
 

@@ -7,14 +7,24 @@
 
 use super::NodeName;
 use super::mesh::{Context, MeshedFace, layers_of, name_nodes, vertex_sizes};
+use super::points::{Hard, nearest_facet};
 use crate::facets::Patch;
 use csalf_surface::{FaceInput, FaceLoop, FaceSize, Facets, mesh_face};
 use std::collections::BTreeMap;
 
-pub(super) fn mesh_patch(cx: &Context<'_>, index: usize, patch: &Patch) -> Result<MeshedFace, String> {
+pub(super) fn mesh_patch(
+    cx: &Context<'_>,
+    index: usize,
+    patch: &Patch,
+    hard: &[Hard],
+) -> Result<MeshedFace, String> {
     let face = &cx.model.faces[index];
     let mut facets = Facets { points: patch.points.clone(), triangles: patch.triangles.clone() };
+    let (spots, hard) = add_points(&mut facets, patch, hard);
     let mut names: Vec<Option<NodeName>> = vec![None; facets.points.len()];
+    for (&v, &(_, k)) in spots.iter().zip(&hard) {
+        names[v as usize] = Some(NodeName::Own(k));
+    }
     let mut loops: Vec<FaceLoop> = Vec::new();
     // New vertices on sides of the patch's boundary, in the direction of the loop.
     let mut splits: BTreeMap<[u32; 2], Vec<u32>> = BTreeMap::new();
@@ -76,7 +86,7 @@ pub(super) fn mesh_patch(cx: &Context<'_>, index: usize, patch: &Patch) -> Resul
         facets: &facets,
         loops: &loops,
         scars: &[],
-        points: &[],
+        points: &spots,
         size: if loops.is_empty() {
             FaceSize::Uniform(cx.rules.of_face(&face.name))
         } else {
@@ -87,7 +97,34 @@ pub(super) fn mesh_patch(cx: &Context<'_>, index: usize, patch: &Patch) -> Resul
     };
     let sources: Vec<usize> = (0..loops.len()).collect();
     let mesh = mesh_face(&input, cx.options).map_err(|e| e.to_string())?;
-    Ok(name_nodes(&mesh, &names, &sources, 0))
+    let mut out = name_nodes(&mesh, &names, &sources, spots.len() as u32);
+    for (&v, &(_, k)) in spots.iter().zip(&hard) {
+        out.own[k as usize] = facets.points[v as usize];
+    }
+    out.hard = hard;
+    Ok(out)
+}
+
+/// Puts hard points into the facets that they lie on: each facet falls into three. Returns the new vertices, and for each
+/// which of the given points it is and its number.
+fn add_points(facets: &mut Facets, patch: &Patch, hard: &[Hard]) -> (Vec<u32>, Vec<(usize, u32)>) {
+    let (mut spots, mut numbers) = (Vec::new(), Vec::new());
+    for h in hard {
+        // The facets as they are by now: a second point may fall into a part of the first one's facet.
+        let now =
+            Patch { points: facets.points.clone(), triangles: facets.triangles.clone(), ..Patch::default() };
+        let Some((_, i, at)) = nearest_facet(if spots.is_empty() { patch } else { &now }, h.point) else {
+            continue;
+        };
+        let v = facets.points.len() as u32;
+        facets.points.push(at);
+        let t = facets.triangles[i];
+        facets.triangles[i] = [t[0], t[1], v];
+        facets.triangles.extend([[t[1], t[2], v], [t[2], t[0], v]]);
+        spots.push(v);
+        numbers.push((h.index, numbers.len() as u32));
+    }
+    (spots, numbers)
 }
 
 /// Splits the facets beside sides with new vertices: a fan from the corner opposite; of two or three such sides one

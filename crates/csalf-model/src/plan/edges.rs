@@ -66,7 +66,7 @@ pub fn plan(model: &Model, rules: &super::SizeRules, limits: &Limits) -> Plan {
     let mut counts: Vec<usize> = (0..model.edges.len())
         .map(|e| {
             // More segments than this on one edge are a mistake in the units.
-            const MOST: f64 = 1e6;
+            const MOST: f64 = 1e5;
             frozen(e).unwrap_or_else(|| least(e).max(wanted[e].clamp(0.0, MOST).round() as usize))
         })
         .collect();

@@ -1,0 +1,84 @@
+//! STEP files to models and meshes; broken files to errors.
+
+use csalf_model::brep::{HoleShape, loop_features};
+use csalf_model::{LayerSpec, ModelOptions, SizeRules, check_and_snap, mesh_model};
+use csalf_step::{StepError, read};
+
+const BLOCK: &str = include_str!("data/block.step");
+
+#[test]
+fn a_block_with_a_hole() {
+    let mut model = read(BLOCK.as_bytes()).expect("a model");
+    assert_eq!((model.faces.len(), model.edges.len(), model.vertices.len()), (7, 15, 10));
+    assert_eq!((model.name.as_str(), model.bodies.len(), model.bodies[0].solid), ("block", 1, true));
+    assert!(model.unit.to_ascii_lowercase().contains("met"), "{}", model.unit);
+    let report = check_and_snap(&mut model);
+    assert!(report.messages.is_empty(), "{:?}", report.messages);
+    let holes = loop_features(&model);
+    assert_eq!(holes.len(), 2);
+    assert!(holes.iter().all(|h| h.shape == HoleShape::Circle { diameter: 12.0 }));
+    let options = ModelOptions {
+        size: Some(SizeRules::of(2.5)),
+        layers: vec![("hole*".into(), LayerSpec { count: 2, ..LayerSpec::default() })],
+        ..ModelOptions::default()
+    };
+    let mesh = mesh_model(&model, &options);
+    assert!(mesh.failures.is_empty(), "{:?}", mesh.failures);
+    assert_eq!((mesh.n_free_sides, mesh.n_branching_sides), (0, 0));
+    assert!(mesh.layers.len() == 2 && mesh.layers.iter().all(|l| l.made == 2), "{:?}", mesh.layers);
+    let names: Vec<&str> = mesh.sets.quads.iter().map(|s| s.0.as_str()).collect();
+    assert!(["top", "bore", "hole1_layer1", "hole2_layer2"].iter().all(|n| names.contains(n)), "{names:?}");
+}
+
+#[test]
+fn broken_files_are_errors() {
+    assert!(matches!(read(b""), Err(StepError::Syntax(_))));
+    assert!(matches!(read(b"ISO-10303-21;"), Err(StepError::Syntax(_))));
+    let no_shell = BLOCK.replace("MANIFOLD_SOLID_BREP", "MANIFOLD_SOLID_BRAP");
+    assert!(read(no_shell.as_bytes()).is_err());
+}
+
+/// Cut off, bytes changed, lines lost: an error or a model, and then a mesh with failures at most.
+#[test]
+fn mutated_files_never_panic() {
+    let mut x = 1_u64;
+    let mut next = |n: usize| {
+        x = x.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (x >> 33) as usize % n.max(1)
+    };
+    let options = ModelOptions { size: Some(SizeRules::of(8.0)), ..ModelOptions::default() };
+    for round in 0..60 {
+        let mut bytes = BLOCK.as_bytes().to_vec();
+        match round % 4 {
+            0 => bytes.truncate(next(BLOCK.len())),
+            1 => {
+                for _ in 0..4 {
+                    let at = next(bytes.len());
+                    bytes[at] = b"0123456789.-#,()'TF"[next(19)];
+                }
+            }
+            2 => {
+                let mut lines: Vec<&str> = BLOCK.lines().collect();
+                lines.remove(7 + next(lines.len() - 9));
+                bytes = lines.join("\n").into_bytes();
+            }
+            _ => {
+                // A number becomes another one.
+                let lines: Vec<&str> = BLOCK.lines().collect();
+                let at = 7 + next(lines.len() - 9);
+                let changed = lines[at]
+                    .replace("40.000000", "1E+300")
+                    .replace("6.000000", "-6.0")
+                    .replace(".T.", ".F.");
+                bytes = BLOCK.replacen(lines[at], &changed, 1).into_bytes();
+            }
+        }
+        if let Ok(mut model) = read(&bytes) {
+            let tolerance = 1e-6 * model.diagonal();
+            csalf_model::sew(&mut model, tolerance);
+            check_and_snap(&mut model);
+            let mesh = mesh_model(&model, &options);
+            assert!(mesh.failures.len() <= model.faces.len());
+        }
+    }
+}
