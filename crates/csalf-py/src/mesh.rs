@@ -64,7 +64,8 @@ impl Mesh {
         w: &mut dyn Write,
     ) -> Result<(), IoError> {
         let cell_data = if data.is_empty() { &self.cell_data } else { &data };
-        let view = MeshView { mesh: &self.mesh, heights: &[], sets: &self.sets, cell_data, title: self.title() };
+        let view =
+            MeshView { mesh: &self.mesh, heights: &[], sets: &self.sets, cell_data, title: self.title() };
         let centres = how.nodes == 9;
         let geometry = self.made.as_ref().and_then(|m| m.geometry.as_deref());
         let mid = (how.nodes > 4).then(|| match geometry {

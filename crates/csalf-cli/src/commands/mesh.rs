@@ -322,8 +322,13 @@ pub fn mesh_one(job: &Job, request: &Request<'_>) -> Result<Done, Failure> {
     }
     if !request.outputs.is_empty() {
         let cell_data = [scaled_jacobians(&meshed)];
-        let view =
-            MeshView { mesh: &meshed.mesh, heights: &[], sets: &meshed.sets, cell_data: &cell_data, title: &job.name };
+        let view = MeshView {
+            mesh: &meshed.mesh,
+            heights: &[],
+            sets: &meshed.sets,
+            cell_data: &cell_data,
+            title: &job.name,
+        };
         let mid = match (request.order, request.geometry) {
             (Order::First, _) => None,
             (Order::Second { centres }, None) => Some(MidNodes::new(&meshed.mesh, centres)),

@@ -83,6 +83,9 @@ fn facet_model(bytes: &[u8], format: &str, shown: &str) -> Result<Model, Failure
 pub fn mesh(args: &MeshArgs, format: &str, level: i32) -> Result<(), Failure> {
     let input = args.input.clone().unwrap_or_default();
     let shown = files::shown(&input);
+    if args.order == Some(2) {
+        return Err(Failure::Usage(format!("{shown}: --order 2 is not for models yet")));
+    }
     let mut outputs: Vec<Output> = Vec::new();
     for path in &args.output {
         outputs
@@ -145,7 +148,7 @@ fn write(model: &Model, meshed: &ModelMesh, outputs: &[Output]) -> Result<(), Fa
         cell_data: &cell_data,
         title: &model.name,
     };
-    outputs.iter().try_for_each(|o| files::write_mesh(&view, o))
+    outputs.iter().try_for_each(|o| files::write_mesh(&view, &csalf_io::WriteOptions::default(), o))
 }
 
 /// Writes the flat boundary of a failed face beside the mesh, as a job to reproduce it.

@@ -23,7 +23,7 @@ pub fn run(args: &SweepArgs, level: i32) -> Result<(), Failure> {
     let data = files::read_mesh(&args.mesh, input)?;
     let length = path.windows(2).map(|w| w[0].distance(w[1])).sum();
     let levels = levels(&spec, length);
-    let swept = sweep::sweep(&data.mesh, &data.sets, &path, &levels)
+    let swept = sweep(&data.mesh, &data.sets, &path, &levels)
         .map_err(|e| Failure::Invalid { input: shown.clone(), defects: vec![e.to_string()] })?;
     let title = files::stem(&args.mesh);
     files::write(&args.output, |sink| csalf_io::hex::write(output, &swept, &title, sink))?;

@@ -10,7 +10,7 @@ use crate::{
     IoError, MeshView, MidNodes, Place,
     text::{Num, one_line},
 };
-use csalf_geom::{Point2, VertexId};
+use csalf_geom::VertexId;
 use std::io::Write;
 
 /// Gmsh's numbers of element types.
@@ -189,8 +189,7 @@ pub fn write_41_with(out: &MeshView<'_>, mid: Option<&MidNodes>, w: &mut dyn Wri
         writeln!(w, "{i}")?;
     }
     for p in out.all_xyz(mid) {
-    for (i, p) in out.all_xyz(mid).enumerate() {
-        writeln!(w, "{} {}", i + 1, line(p))?;
+        writeln!(w, "{}", line(p))?;
     }
     let n_elements: usize = blocks.iter().map(|b| b.elements.len()).sum();
     let n_blocks = blocks.iter().filter(|b| !b.elements.is_empty()).count();
