@@ -34,6 +34,11 @@ pub fn write_mesh_with(
     how: &WriteOptions<'_>,
     w: &mut dyn Write,
 ) -> Result<(), IoError> {
+    let flat = [MeshFormat::Exodus, MeshFormat::Su2, MeshFormat::Foam];
+    if !out.heights.is_empty() && flat.contains(&format) {
+        let message = "meshes in space are not written in this format";
+        return Err(IoError::unsupported(format.name(), Place::Whole, message));
+    }
     match format {
         MeshFormat::Vtu => vtu::write_as(out, vtu::VtuEncoding::default(), how.mid, w),
         MeshFormat::Msh41 => msh::write_41_with(out, how.mid, w),

@@ -103,7 +103,7 @@ mod tests {
             ("again".into(), vec![[v(0), v(1)], [v(2), v(5)]]),
         ];
         let sets = NamedSets { edges, ..NamedSets::default() };
-        let out = MeshView { mesh: &mesh, sets: &sets, cell_data: &[], title: "" };
+        let out = MeshView { mesh: &mesh, heights: &[], sets: &sets, cell_data: &[], title: "" };
         let sides = Sides::new(&mesh);
         let patches = sides.patches(&out);
         let found: Vec<(&str, Vec<[u32; 2]>)> =

@@ -30,9 +30,9 @@ fn real(x: f64) -> String {
 pub fn write(out: &MeshView<'_>, w: &mut dyn Write) -> Result<(), IoError> {
     let mesh = out.mesh;
     writeln!(w, "    -1\n  2411")?;
-    for (i, p) in mesh.points.iter().enumerate() {
+    for (i, [x, y, z]) in out.xyz().enumerate() {
         writeln!(w, "{:10}{:10}{:10}{:10}", i + 1, 1, 1, 11)?;
-        writeln!(w, "{:>25}{:>25}{:>25}", real(p.x), real(p.y), real(0.0))?;
+        writeln!(w, "{:>25}{:>25}{:>25}", real(x), real(y), real(z))?;
     }
     writeln!(w, "    -1\n    -1\n  2412")?;
     let mut number = 0u32;

@@ -247,7 +247,13 @@ impl Mesh {
         };
         let (data, how) = (cell_data(data), How::new(nodes, element)?);
         if format == MeshFormat::Foam && how.nodes == 4 {
-            let view = MeshView { mesh: &self.mesh, sets: &self.sets, cell_data: &[], title: self.title() };
+            let view = MeshView {
+                mesh: &self.mesh,
+                heights: &[],
+                sets: &self.sets,
+                cell_data: &[],
+                title: self.title(),
+            };
             return py
                 .detach(|| csalf_io::foam::write_case(&view, &path))
                 .map_err(|e| errors::of_file(py, &e));
