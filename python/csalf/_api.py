@@ -151,7 +151,7 @@ def discretise(
     *,
     scars: Lines = (),
     points: ArrayLike | Mapping[str, Sequence[float]] = (),
-) -> dict[str, dict[str, NDArray[np.float64]]]:
+) -> dict[str, Any]:
     """Nodes on curves, as far apart as the size says; the total over all loops is even. Returns ``loops`` and
     ``scars`` by name, as ``mesh`` takes them: ``csalf.mesh(**csalf.discretise(loops, 0.1), size=0.1)``."""
     (job,) = _jobs(None, loops=loops, scars=scars, points=points, size=size, resample=True)[0]
@@ -194,8 +194,8 @@ def _jobs(
         made = [_job(name, loops, scars, points, size, resample)]
     elif isinstance(source, Job):
         made = [source]
-    elif hasattr(source, "__geo_interface__"):
-        parts = _rings(source.__geo_interface__)
+    elif (geometry := getattr(source, "__geo_interface__", None)) is not None:
+        parts = _rings(geometry)
         if not parts:
             raise GeometryError("the geometry holds no polygon")
         names = [name] if len(parts) == 1 else [f"{name or 'part'}{k}" for k in range(len(parts))]

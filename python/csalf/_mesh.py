@@ -220,7 +220,7 @@ class Mesh:
         import meshio
 
         edges = [e for e in self.edge_sets.values() if len(e)]
-        blocks: list[tuple[str, Any]] = [("quad", self.quads)]
+        blocks: list[Any] = [("quad", self.quads)]
         if len(self.triangles):
             blocks.append(("triangle", self.triangles))
         if edges:
