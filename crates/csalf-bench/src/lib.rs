@@ -51,6 +51,23 @@ pub fn shaken_grid(n: usize, by: f64) -> QuadMesh {
     mesh
 }
 
+/// A square plate with `k` x `k` round holes of 16 nodes, radius 2, ten apart, all edges about 1: the outer loop, then
+/// the holes. 70 quads for each hole.
+pub fn perforated(k: usize) -> Vec<Vec<Point2>> {
+    const PITCH: f64 = 10.0;
+    let n = PITCH as usize * k;
+    let l = PITCH * k as f64;
+    let corner = [(0., 0.), (l, 0.), (l, l), (0., l)].map(Point2::from);
+    let outer = (0..4 * n).map(|i| corner[i / n].lerp(corner[(i / n + 1) % 4], (i % n) as f64 / n as f64));
+    let mut loops = vec![outer.collect()];
+    for i in 0..k * k {
+        let c = Point2::new((i % k) as f64 + 0.5, (i / k) as f64 + 0.5) * PITCH;
+        let node = |a: usize| c + Point2::from_angle(-std::f64::consts::TAU * a as f64 / 16.0) * 2.0;
+        loops.push((0..16).map(node).collect());
+    }
+    loops
+}
+
 /// A square from -1 to 1 with `k` x `k` jittered nodes: about 2 k² triangles.
 ///
 /// # Panics
