@@ -179,7 +179,7 @@ pub(crate) fn mesh_region(
 
 /// Largest growth of the size from the last rings on, per unit of length. Smaller (0.25, 0.35): fewer irregular
 /// vertices beside rings, but edges shorter than asked for far around (slots: size share 0.90 to 0.80).
-const HAND_OVER: f64 = 0.5;
+const HAND_OVER: f64 = 0.7;
 /// Rings whose edges are longer than this share of the wanted length need no hand-over.
 const FINER: f64 = 0.75;
 

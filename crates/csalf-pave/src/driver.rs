@@ -126,6 +126,8 @@ const COARSEST: f64 = 1.6;
 /// Rings by rule are not made thinner than this share of their edges for the sake of the size field.
 const FLATTEST: f64 = 0.35;
 
+/// Further rings of round holes end where their front would be shorter than so many wanted edges.
+const FINEST: f64 = 0.7;
 /// Layers that are counted to find where the last one ends.
 const MOST_ASKED: usize = 1000;
 /// The length of a front at a node is the mean over so many segments on each side.
@@ -435,11 +437,11 @@ fn propose(
     }
     if !p.user {
         evaluate::before(&p.state, task.size, task.rules, hint)?;
-        let ratio = coarseness(p, task, hint);
+        let ratio = coarseness(&p.state.points, task, hint);
         let most = if p.done < 2 { 2.2 } else { 1.4 };
         let follows = match p.kind {
             WalkKind::Outer => ratio > 1.3,
-            _ => (0.7..=1.2).contains(&ratio),
+            _ => ratio <= 1.2,
         };
         if p.extra() && !follows || p.done > 0 && ratio > most {
             return Err(Stop::Thick.into());
@@ -463,7 +465,12 @@ fn propose(
         caps: caps.as_deref(),
         banned: matches!(attempt.stage, Stage::Part(..)).then_some(&attempt.banned),
     };
-    build(&p.state, &order, all)
+    let ring = build(&p.state, &order, all)?;
+    // The front of a further ring still follows the size field.
+    if order.whole && coarseness(&ring.next.points, task, hint) < FINEST {
+        return Err(Stop::Thick.into());
+    }
+    Ok(ring)
 }
 
 /// Lowers `caps` where the wanted size falls fast from the front inward: rings, whose edges stay as long as those of
@@ -493,10 +500,9 @@ fn fall(p: &Path<'_>, task: &LayerTask<'_>, caps: &mut [f64], hint: &mut Hint) {
 }
 
 /// Mean length of the fronts in wanted edges. Layers by rule stop above 1.4 (the second above 2.2),
-/// further ones outside 0.7 to 1.2 (handbook 3.4).
-fn coarseness(p: &Path<'_>, task: &LayerTask<'_>, hint: &mut Hint) -> f64 {
-    let n = p.state.nodes.len();
-    let q = &p.state.points;
+/// further ones above 1.2 or where their own front would be below [`FINEST`] (handbook 3.4).
+fn coarseness(q: &[Point2], task: &LayerTask<'_>, hint: &mut Hint) -> f64 {
+    let n = q.len();
     let sum: f64 = (0..n).map(|i| q[i].distance(q[(i + 1) % n]) / task.size.h(q[i], hint)).sum();
     sum / n as f64
 }
