@@ -31,7 +31,7 @@ pub(super) fn experiments() -> Vec<Experiment> {
                 .into_iter()
                 .map(|(name, law)| {
                     let spec = LayerSpec { count: 5, law, first: None };
-                    Job { layers: vec![("hole0".into(), spec)], ..plate(name, 64) }
+                    Job { layers: vec![("hole0".into(), spec)], ..plate(name, 64, 1.0) }
                 })
                 .collect(),
             frame: square(4.0),
@@ -39,14 +39,23 @@ pub(super) fn experiments() -> Vec<Experiment> {
         Experiment {
             title: "Fig. 5: segments of the hole a tenth of those of the plate",
             about: "The paper reports tau_l 0.98 and tau_g 0.83 (TQM: 0.70 and 0.78), on a curved face.",
-            jobs: vec![plate("fig5", 64)],
+            jobs: vec![plate("fig5", 64, 1.0)],
             frame: square(6.0),
         },
         Experiment {
             title: "Fig. 5 with a fine hole",
-            about: "The same plate with 320 segments round the hole; the pictures show the middle.",
-            jobs: vec![plate("fig5_fine", 320)],
-            frame: square(2.0),
+            about: "320 segments round the hole. In `fig5_tenth` those of the plate are ten times as long, as in the \
+                    figure, and the rings follow the size field. In `fig5_fine` the plate is that of Fig. 5: its \
+                    sizes grow fifty-fold, far faster than square quads round a hole can, so 20 layers are asked \
+                    for, as many as fill the local region. The pictures show the middle.",
+            jobs: vec![
+                plate("fig5_tenth", 320, 0.2),
+                Job {
+                    layers: vec![("hole0".into(), LayerSpec { count: 20, law: LayerLaw::Auto, first: None })],
+                    ..plate("fig5_fine", 320, 1.0)
+                },
+            ],
+            frame: square(1.5),
         },
         Experiment {
             title: "Fig. 6: a source face with four finely divided slots",
@@ -67,9 +76,9 @@ fn job(name: &str, domain: Domain, local_region: Option<[f64; 3]>) -> Job {
     Job { name: name.into(), domain, local_region, ..Job::default() }
 }
 
-/// Plate of side 12 with a hole of radius 1 and `n` segments around it.
-fn plate(name: &str, n: usize) -> Job {
-    let outer = rectangle([-6.0, -6.0], [6.0, 6.0], 1.0, false);
+/// Plate of side 12, in segments of `h`, with a hole of radius 1 and `n` segments around it.
+fn plate(name: &str, n: usize, h: f64) -> Job {
+    let outer = rectangle([-6.0, -6.0], [6.0, 6.0], h, false);
     job(name, Domain::new(outer).with_hole(circle(Point2::ZERO, 1.0, n)), Some([0.0, 0.0, 1.5]))
 }
 
