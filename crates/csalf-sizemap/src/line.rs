@@ -27,6 +27,9 @@ const SHORT: f64 = 8.0;
 const HALVE_FROM: f64 = 6.0;
 /// Cells are halved while that changes W by more than this, in segments. Larger: faster, nodes less exact.
 const HALVE_ERROR: f64 = 0.05;
+/// Rates nearer to each other than this share are averaged: the logarithm would lose digits, the mean is off by a
+/// twelfth of the share's square.
+const NO_LOGARITHM: f64 = 1e-4;
 /// Smallest cell: 2⁻²⁴ of the line.
 const HALVINGS: u32 = 24;
 
@@ -84,7 +87,7 @@ impl LineSizes {
         // ∫ ds/h where h is linear between its ends, per unit of length.
         let mean = |r0: f64, r1: f64| {
             let k = r0 / r1;
-            if (k - 1.0).abs() < 1e-4 { 0.5 * (r0 + r1) } else { r0 * k.ln() / (k - 1.0) }
+            if (k - 1.0).abs() < NO_LOGARITHM { 0.5 * (r0 + r1) } else { r0 * k.ln() / (k - 1.0) }
         };
         let mut ends = Box::new([0.0; MAX_SAMPLES + 1]);
         let mut m = 0;
