@@ -234,7 +234,7 @@ fn members(attempt: &Attempt) -> Vec<Arc<dyn RegionMesher>> {
     };
     let mut out = companions.clone();
     let subdivision = companions.into_iter().fold(Subdivision::new(rules), Subdivision::with_companion);
-    out.push(Arc::new(subdivision.loose(attempt.loose)));
+    out.push(Arc::new(subdivision.behind_companions().loose(attempt.loose)));
     out.push(Arc::new(Fallback));
     out
 }

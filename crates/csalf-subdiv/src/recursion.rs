@@ -51,6 +51,7 @@ pub struct Subdivision {
     companions: Vec<Arc<dyn RegionMesher>>,
     seam: usize,
     loose: bool,
+    asked: bool,
 }
 
 /// Contours above this size go back to the driver as two children. Smaller: more parallel tasks; larger: fewer
@@ -77,7 +78,7 @@ const GOOD_CLOSURE: f64 = 0.3;
 impl Subdivision {
     /// Subdivision alone (TriQuaMesh) with the given rules.
     pub fn new(rules: SplitRules) -> Self {
-        Self { rules, companions: Vec::new(), seam: SEAM, loose: false }
+        Self { rules, companions: Vec::new(), seam: SEAM, loose: false, asked: false }
     }
 
     /// Adds a mesher that is asked before every split, after those added earlier.
@@ -91,6 +92,13 @@ impl Subdivision {
     /// the guaranteed fallback, which is left with larger contours.
     pub fn loose(mut self, loose: bool) -> Self {
         self.loose = loose;
+        self
+    }
+
+    /// For callers that ask the companions themselves before they come here: they are not asked for the whole contour
+    /// again (large patches that fail are dear), only for its parts.
+    pub fn behind_companions(mut self) -> Self {
+        self.asked = true;
         self
     }
 
@@ -110,6 +118,9 @@ impl Subdivision {
         if n > self.seam {
             r.split_once()
         } else {
+            if self.asked {
+                r.frames.iter_mut().for_each(|whole| whole.forecast = Forecast::Nobody);
+            }
             r.fill();
         }
         // Only a contour that is not valid comes back as it was; handing it out again would never end.
