@@ -50,8 +50,14 @@ fn frozen_edges_keep_their_counts_and_odd_faces_are_told() {
         limits.frozen[e] = Some(if k == 0 { 7 } else { 8 });
     }
     let p = plan(&m, &SizeRules::of(0.3), &limits);
-    assert_eq!(p.infeasible.len(), 1);
-    assert!(!p.infeasible[0].frozen.is_empty());
+    // The bottom, and the rest of the closed surface, which its edges cut off from it.
+    assert_eq!(p.infeasible.len(), 2);
+    assert!(p.infeasible.iter().any(|i| i.faces == [m.faces.len() - 2]));
+    assert!(p.infeasible.iter().all(|i| i.frozen == {
+        let mut b = bottom.clone();
+        b.sort_unstable();
+        b
+    }));
     assert!(p.edges[bottom[0]].count() == 7);
 }
 
