@@ -5,7 +5,7 @@
 //! ```
 
 use crate::brep::{LoopFeature, Model, loop_features};
-use crate::face::{Context, MeshedFace, NodeName, NodeTable, assign, mesh_one};
+use crate::face::{Context, Hard, MeshedFace, NodeName, NodeTable, assign, mesh_one};
 use crate::names::loop_matches;
 use crate::plan::{EdgeNodes, Limits, Plan, SizeRules, plan};
 use crate::report::{FaceFailure, LoopLayers, ModelMesh};
@@ -136,7 +136,7 @@ pub fn mesh_model(model: &Model, options: &ModelOptions) -> ModelMesh {
         (0..model.faces.len())
             .into_par_iter()
             .map(|f| {
-                let meshed = mesh_one(&cx, f, &hard[f]);
+                let meshed = guarded(&cx, f, &hard[f]);
                 tracing::debug!(target: "csalf::face", face = f, failed = meshed.is_err());
                 meshed
             })
@@ -145,6 +145,16 @@ pub fn mesh_model(model: &Model, options: &ModelOptions) -> ModelMesh {
     let names: Vec<&str> = options.points.iter().map(|p| p.0.as_str()).collect();
     stitch(model, &table, &Names { loops: &loops, layers: &layers, points: &names }, faces, &mut out);
     out
+}
+
+/// Meshes a face; a fault of ours that stops its work is a failure of this face, not of the others.
+fn guarded(cx: &Context<'_>, f: usize, hard: &[Hard]) -> Result<MeshedFace, Box<FaceFailure>> {
+    let work = std::panic::AssertUnwindSafe(|| mesh_one(cx, f, hard));
+    std::panic::catch_unwind(work).unwrap_or_else(|_| {
+        let name = cx.model.faces[f].name.clone();
+        let message = "the mesher stopped at it, which is a fault of the mesher; please report it".to_owned();
+        Err(Box::new(FaceFailure { face: f, name, message, case: None }))
+    })
 }
 
 /// Layers asked for, per face and loop.

@@ -16,7 +16,7 @@ use crate::seams::place;
 use crate::sheet::{Ground, Sheet};
 use crate::sizes::sizes;
 use crate::smooth::smooth;
-use crate::{FaceError, FaceInput, FaceMesh};
+use crate::{FaceError, FaceInput, FaceMesh, FaceSize};
 use csalf_core::Options;
 use csalf_geom::VertexId;
 use csalf_mesh::QuadTopology;
@@ -81,7 +81,8 @@ pub(crate) fn curved(input: &FaceInput<'_>, options: &Options) -> Result<FaceMes
             Err(e) => return Err(e),
         }
     };
-    if !isometric(&pieces) {
+    // A chart without distortion takes one size or the boundary's; a list has to be carried to its vertices.
+    if !isometric(&pieces) || matches!(input.size, FaceSize::Vertices(_)) {
         face.fill_sizes(input, options);
     }
     let mut refused = None;

@@ -12,7 +12,7 @@ mod points;
 mod trim;
 
 pub(crate) use mesh::{Context, MeshedFace, mesh_one};
-pub(crate) use points::assign;
+pub(crate) use points::{Hard, assign};
 
 use glam::DVec3;
 
