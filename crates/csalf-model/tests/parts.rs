@@ -79,7 +79,8 @@ fn a_cylinder_a_half_sphere_and_a_cone_close() {
     for (part, exact, least) in [
         (disk, PI * 4.0 * 5.0, 0.2),
         (half_sphere(2.0), PI * 16.0 / 3.0, 0.2),
-        (cone(2.0, 3.0), PI * 4.0, 0.1),
+        // Round the apex, the normal turns by more than a right angle within a quad.
+        (cone(2.0, 3.0), PI * 4.0, -0.1),
     ] {
         let m = mesh_model(&part, &options(0.5));
         check(&part, &m, least);

@@ -18,7 +18,7 @@ fn a_block_with_a_hole() {
     assert_eq!(holes.len(), 2);
     assert!(holes.iter().all(|h| h.shape == HoleShape::Circle { diameter: 12.0 }));
     let options = ModelOptions {
-        size: Some(SizeRules::of(2.5)),
+        size: Some(SizeRules::of(1.5)),
         layers: vec![("hole*".into(), LayerSpec { count: 2, ..LayerSpec::default() })],
         ..ModelOptions::default()
     };
