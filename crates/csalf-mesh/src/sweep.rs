@@ -84,7 +84,7 @@ pub fn sweep(
     // The path's own point on each level; the mesh's middle stands for the path's start.
     let (lo, hi) = csalf_geom::polygon::bounds(mesh.points.iter().copied()).unwrap_or_default();
     let shift = (0.5 * (lo + hi)).extend(0.0) - path[0];
-    let stations = stations(&steps, levels);
+    let stations = stations(&steps, levels, 0.5 * (hi - lo).length());
     for (level, s) in stations.iter().enumerate().skip(1) {
         let direction = steps[s.leg].normalize();
         let normal = plane_of(&steps, s);
@@ -148,18 +148,29 @@ struct Station {
     at_end: bool,
 }
 
-/// Where the levels are, with one more at each bend; a level near a bend goes to it.
-fn stations(steps: &[DVec3], levels: &[f64]) -> Vec<Station> {
+/// Where the levels are, with one more at each bend. A level so near a bend that the bend's plane would cut it, within
+/// `reach` of the path, is left out.
+fn stations(steps: &[DVec3], levels: &[f64], reach: f64) -> Vec<Station> {
     let lengths: Vec<f64> = steps.iter().map(|d| d.length()).collect();
     let total: f64 = lengths.iter().sum();
     let mean = total / (levels.len() - 1) as f64;
     let mut out = vec![Station { leg: 0, along: 0.0, at_end: false }];
+    // How far the plane of the bend behind leg k comes along the legs: reach times the tangent of half the angle.
+    let cut = |k: usize| match (steps.get(k), steps.get(k + 1)) {
+        (Some(a), Some(b)) => {
+            let (a, b) = (a.normalize(), b.normalize());
+            reach * (a - b).length() / (a + b).length()
+        }
+        _ => 0.0,
+    };
     let mut start = 0.0;
     for (leg, &length) in lengths.iter().enumerate() {
         // Levels closer to an end of the leg than this share of the mean thickness would make flat hexahedra.
         const NEAR: f64 = 0.3;
         let clear = NEAR * mean.min(length);
-        let within = levels.iter().map(|s| s * total - start).filter(|a| *a > clear && *a < length - clear);
+        let begin = clear + leg.checked_sub(1).map_or(0.0, cut);
+        let end = length - clear - cut(leg);
+        let within = levels.iter().map(|s| s * total - start).filter(|a| *a > begin && *a < end);
         let last = leg + 1 == lengths.len();
         // The first and the last leg keep levels near the path's own ends: thin layers are wanted there.
         let near_start =

@@ -29,8 +29,9 @@ pub fn loop_matches(pattern: &str, name: &str, diameter: Option<f64>) -> bool {
     let (sign, or_equal) = (&tail[..1], tail[1..].starts_with('='));
     let number = tail[1..].trim_start_matches('=').trim();
     let (Some(d), Ok(limit)) = (diameter, number.parse::<f64>()) else { return false };
-    // Diameters of files carry six to eight digits.
-    let equal = (d - limit).abs() <= 1e-6 * limit.abs();
+    /// Diameters of files carry six to eight digits.
+    const SAME: f64 = 1e-6;
+    let equal = (d - limit).abs() <= SAME * limit.abs();
     let fits = (or_equal && equal) || (!equal && if sign == "<" { d < limit } else { d > limit });
     let head = head.trim();
     fits && (matches(head, name) || (!head.contains('*') && name.starts_with(head)))

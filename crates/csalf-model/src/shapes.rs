@@ -28,8 +28,9 @@ impl Piece {
     }
 
     fn is_closed(&self) -> bool {
-        // A whole turn up to rounding.
-        matches!(*self, Self::Arc(_, _, a, b) if ((a - b).abs() - TAU).abs() < 1e-9)
+        /// A whole turn up to rounding, radians.
+        const WHOLE: f64 = 1e-9;
+        matches!(*self, Self::Arc(_, _, a, b) if ((a - b).abs() - TAU).abs() < WHOLE)
     }
 
     /// The same, the other way round.

@@ -41,10 +41,13 @@ pub struct FacetOptions {
     pub corner_angle: f64,
 }
 
+/// Points closer than this share of the diagonal are welded: single precision files carry seven digits.
+const WELD: f64 = 1e-7;
+
 impl Default for FacetOptions {
     fn default() -> Self {
-        // Single precision files carry seven digits; the angles are those of most tools.
-        Self { weld: 1e-7, feature_angle: 40.0, corner_angle: 40.0 }
+        // The angles are those of most tools.
+        Self { weld: WELD, feature_angle: 40.0, corner_angle: 40.0 }
     }
 }
 

@@ -67,6 +67,11 @@ fn energy(chart: &Chart, shapes: &[([DVec2; 3], f64)], flat: &Flat) -> f64 {
     sum
 }
 
+/// Singular values so close to 1 take the limit of their weight.
+const UNIT: f64 = 1e-6;
+/// Singular values whose squares differ by less than this share are one.
+const ROUND: f64 = 1e-9;
+
 fn solve(chart: &Chart, order: &Order, shapes: &[([DVec2; 3], f64)], flat: &Flat) -> Option<Flat> {
     let n = flat.len();
     let mut matrix = Symmetric::new(2 * n);
@@ -75,12 +80,12 @@ fn solve(chart: &Chart, order: &Order, shapes: &[([DVec2; 3], f64)], flat: &Flat
     for (t, (g, area)) in chart.triangles.iter().zip(shapes) {
         let j = jacobian(g, t.map(|v| flat[v as usize]));
         let (s1, s2) = singular(j);
-        let weight = |s: f64| if (s - 1.0).abs() < 1e-6 { 4.0 } else { (s - s.powi(-3)) / (s - 1.0) };
+        let weight = |s: f64| if (s - 1.0).abs() < UNIT { 4.0 } else { (s - s.powi(-3)) / (s - 1.0) };
         let (m1, m2) = (weight(s1), weight(s2));
         // M is the function of J Jᵀ that has the eigenvalues m1, m2.
         let b = j * j.transpose();
         let gap = s1 * s1 - s2 * s2;
-        let beta = if gap > 1e-9 * s1 * s1 { (m1 - m2) / gap } else { 0.0 };
+        let beta = if gap > ROUND * s1 * s1 { (m1 - m2) / gap } else { 0.0 };
         let m = DMat2::from_diagonal(DVec2::splat(m1 - beta * s1 * s1)) + b * beta;
         let turn = DVec2::new(j.x_axis.x + j.y_axis.y, j.x_axis.y - j.y_axis.x).normalize_or(DVec2::X);
         let r = DMat2::from_cols(turn, turn.perp());

@@ -107,6 +107,9 @@ pub(crate) struct Symmetric {
     n: usize,
 }
 
+/// Pivots below this share of the largest diagonal entry mean a singular matrix.
+const SINGULAR: f64 = 1e-13;
+
 impl Symmetric {
     pub(crate) fn new(n: usize) -> Self {
         Self { entries: Vec::new(), n }
@@ -194,7 +197,7 @@ impl Symmetric {
                 (lrow[end[i]], lvalue[end[i]]) = (k as u32, l);
                 end[i] += 1;
             }
-            if !dk.is_finite() || dk <= 1e-13 * largest {
+            if !dk.is_finite() || dk <= SINGULAR * largest {
                 return None;
             }
             d[k] = dk;
