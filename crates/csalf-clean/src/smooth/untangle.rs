@@ -35,10 +35,6 @@ const PATIENCE: usize = 4;
 /// Most L-BFGS iterations per eps. (Handbook 7.4: 100 to 300.)
 const INNER: usize = 150;
 
-/// Most L-BFGS iterations in one attempt on a region, times its quads: large tangles, which seldom come free, are given up
-/// sooner. About a tenth of a second. *Arbitrary.*
-const WORK: usize = 1_000_000;
-
 /// L-BFGS ends when a step lowers the energy by less than this part of it. Smaller: work without effect, as eps
 /// changes the energy next. *Arbitrary.*
 const STOP: f64 = 1e-5;
@@ -116,10 +112,8 @@ fn solve(region: &mut Region, size: &dyn SizeField, lambda: f64) -> (bool, usize
     let (_, mut min_d) = energy::regularised(region, &x, lambda, 1.0, &mut gradient);
     let mut eps = next_eps(min_d);
     let (mut best, mut since) = (min_d, 0);
-    let inner = (WORK / (OUTER * region.quads.len().max(1))).clamp(10, INNER);
-    let most = (WORK / (inner * region.quads.len().max(1))).clamp(1, OUTER);
-    for outer in 1..=most {
-        lbfgs::minimise(&mut x, inner, 0.1 * length, STOP, |x, g| {
+    for outer in 1..=OUTER {
+        lbfgs::minimise(&mut x, INNER, 0.1 * length, STOP, |x, g| {
             energy::regularised(region, x, lambda, eps, g).0
         });
         let before = min_d;
@@ -142,7 +136,7 @@ fn solve(region: &mut Region, size: &dyn SizeField, lambda: f64) -> (bool, usize
         // Follow the smallest Jacobian; where it does not move, tighten all the same.
         eps = if min_d > before { next_eps(min_d).min(eps) } else { 0.5 * eps };
     }
-    (false, most)
+    (false, OUTER)
 }
 
 /// The regularisation for a smallest Jacobian: a fifth of its depth below zero. (Handbook 7.4.)
