@@ -165,3 +165,18 @@ proptest! {
         prop_assert!(again == (job, options));
     }
 }
+
+/// A loop that has fewer layers than were asked for has a reason for it.
+#[test]
+fn layers_that_were_not_made_have_a_reason() {
+    let mut short = 0;
+    for seed in 0..40 {
+        let (job, base) = job(seed, &Recipe { layers: true, ..RECIPE });
+        let meshed = csalf_core::mesh(&job, &base).unwrap_or_else(|e| panic!("seed {seed}: {e}"));
+        for l in meshed.report.loops.iter().filter(|l| l.made < l.asked) {
+            assert!(!l.stopped.is_empty(), "seed {seed}: {l:?}");
+            short += 1;
+        }
+    }
+    assert!(short > 20, "the domains must give the rule something to do: {short}");
+}

@@ -161,6 +161,8 @@ impl Work {
         }
         let turn: Vec<f64> =
             self.theta.iter().map(|th| if (th - PI).abs() < 0.9 { th - PI } else { 0.0 }).collect();
+        // Void on the other side that bulges nowhere inward: a hole.
+        let convex = self.theta.iter().all(|th| *th > PI - 0.1);
         self.t = match order.thickness {
             Thickness::Fixed(t) => vec![t; n],
             Thickness::Isotropic(factor) => {
@@ -176,7 +178,15 @@ impl Work {
                                 harmonic(g(a), g(i), g(c))
                             }
                             (_, true) => iso,
-                            _ => iso * towards(order.field.h(self.s.points[i], &mut hint) / iso),
+                            _ => {
+                                let h = order.field.h(self.s.points[i], &mut hint);
+                                let t = iso * towards(h / iso);
+                                if convex && phi > 0.0 {
+                                    t.min(most_thick(self.spacing[i], phi, h))
+                                } else {
+                                    t
+                                }
+                            }
                         }
                     })
                     .collect();
@@ -291,6 +301,18 @@ impl Work {
 /// most 0.7 to 1.4 (handbook 1.1).
 fn towards(ratio: f64) -> f64 {
     if ratio > 1.25 { (ratio / 1.25).min(1.4) } else { (ratio / 0.8).clamp(0.7, 1.0) }
+}
+
+/// Edges of a front by rule are at most this many wanted edges long, as far as its ring need not be thinner than
+/// [`THIN`] for it. (Measured on a plate with 64 holes: .95 of the boundary with a regular first ring against .91.)
+const LONG: f64 = 1.36;
+/// See [`LONG`], in wanted edges.
+const THIN: f64 = 0.74;
+
+/// Most that a ring by rule may be thick on an edge of length `s`, where the loop turns away from the material by `turn`
+/// per node and edges shall be `h` long: the edges of its front are s + t turn.
+fn most_thick(s: f64, turn: f64, h: f64) -> f64 {
+    ((LONG * h - s) / turn).max(THIN * h)
 }
 
 /// Builds a ring around `state` and tests its quads; `all` holds the points of existing nodes by id.

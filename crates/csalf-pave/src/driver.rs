@@ -251,7 +251,11 @@ fn path<'a>(task: &LayerTask<'_>, index: usize, walk: &'a Walk) -> Path<'a> {
         done: 0,
         active: spec.count > 0 && usable,
         index: index as u32,
-        report: WalkReport { asked: spec.count, ..WalkReport::default() },
+        report: WalkReport {
+            asked: spec.count,
+            stopped: (spec.count > 0 && !usable).then_some(Stop::Short),
+            ..WalkReport::default()
+        },
         spec,
         walk,
     }
@@ -327,7 +331,7 @@ fn cycle(
             match verdict {
                 Ok(()) => {
                     committed[i] = true;
-                    commit(p, c, tries[k].stage, all, out);
+                    commit(p, c, &tries[k], all, out);
                 }
                 Err(f) => verdicts[k] = Some(f),
             }
@@ -601,7 +605,7 @@ fn segments(paths: &[Path<'_>], proposals: &[(u32, &Candidate)]) -> Vec<Segment>
     out
 }
 
-fn commit(p: &mut Path<'_>, c: Candidate, stage: Stage, all: &mut Vec<Point2>, out: &mut Layers) {
+fn commit(p: &mut Path<'_>, c: Candidate, made_by: &Try, all: &mut Vec<Point2>, out: &mut Layers) {
     let base = all.len() as u32;
     let id = |v: u32| if v >= NEW { base + (v - NEW) } else { v };
     all.extend_from_slice(&c.points);
@@ -613,13 +617,14 @@ fn commit(p: &mut Path<'_>, c: Candidate, stage: Stage, all: &mut Vec<Point2>, o
     }
     let exact = !matches!(thickness(&p.spec, p.done, p.mean, p.mean), Thickness::Fixed(_))
         || c.thickness_error <= 0.02;
-    if c.full && exact && stage == Stage::Whole {
+    if c.full && exact && made_by.stage == Stage::Whole {
         p.report.made += 1;
         if p.user {
             p.report.thickness_error = p.report.thickness_error.max(c.thickness_error);
         }
     } else {
         p.report.reduced += 1;
+        p.report.stopped.get_or_insert(made_by.first.unwrap_or(Stop::Reduced));
     }
     p.done += 1;
     let most = if p.kind == WalkKind::Outer { 2 } else { MOST_LAYERS };

@@ -63,6 +63,9 @@ pub enum Stop {
     /// Less than half of the loop could be covered.
     #[error("too little of the loop could be covered")]
     LittleLeft,
+    /// A layer was made thinner than wanted, or leaves some of the loop uncovered.
+    #[error("there is room only for a layer that is thinner or covers a part of the loop")]
+    Reduced,
     /// Layers that nobody asked for end where they would become coarser than the size field.
     #[error("the next layer would be thicker than the wanted size")]
     Thick,
