@@ -16,8 +16,6 @@ pub mod files;
 pub mod json;
 pub mod layers;
 pub mod logging;
-pub mod metrics;
-pub mod outlines;
 pub mod page;
 pub mod progress;
 pub mod say;
@@ -25,6 +23,8 @@ pub mod summary;
 pub mod timing;
 
 pub use args::Args;
+pub use csalf_io::outlines;
+pub use csalf_mesh::quality::metrics;
 
 use clap::Parser;
 use std::process::ExitCode;

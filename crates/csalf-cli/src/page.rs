@@ -3,11 +3,12 @@
 //! The page (`page/`) is plain HTML, CSS and script; the mesh goes into it as base64 of 32-bit numbers, points relative
 //! to the box of the mesh, so that nothing is lost far from the origin. About 60 bytes per quad.
 
-use crate::{json, metrics};
+use crate::json;
 use base64::Engine as _;
 use csalf_core::Meshed;
 use csalf_geom::polygon::bounds;
 use csalf_mesh::quality::QualityReport;
+use csalf_mesh::quality::metrics::{self, SCALES};
 use csalf_sizemap::SizeField;
 use serde_json::{Map, Value, json};
 
@@ -25,19 +26,6 @@ pub struct Shown<'a> {
     /// A sentence about the input.
     pub about: &'a str,
 }
-
-/// A metric on the page: name, label, which values are good, ends of the colour scale (`None`: those of the mesh).
-type Scale = (&'static str, &'static str, &'static str, Option<f64>, Option<f64>);
-
-const SCALES: [Scale; 7] = [
-    ("scaled_jacobian", "scaled Jacobian", "high", Some(0.0), Some(1.0)),
-    ("shape", "shape", "high", Some(0.0), Some(1.0)),
-    ("skew", "skew", "low", Some(0.0), Some(1.0)),
-    ("aspect_ratio", "aspect ratio", "low", Some(1.0), Some(4.0)),
-    ("min_angle", "smallest angle", "high", Some(0.0), Some(90.0)),
-    ("max_angle", "largest angle", "low", Some(90.0), Some(180.0)),
-    ("size_ratio", "size made / wanted", "one", Some(0.5), Some(2.0)),
-];
 
 /// The page for the meshes of one run, made by `command`. Cost O(n).
 pub fn page(meshes: &[Shown<'_>], command: &str) -> String {
@@ -67,11 +55,13 @@ fn model(shown: &Shown<'_>, command: &str) -> Value {
     let with_field = shown.field.is_some();
     let metrics: Vec<Value> = SCALES
         .iter()
-        .filter(|s| s.0 != "size_ratio" || with_field)
-        .filter_map(|&(name, label, good, low, high)| {
-            let values = metrics::values(mesh, name, shown.field)?;
+        .filter(|s| s.name != "size_ratio" || with_field)
+        .filter_map(|s| {
+            let values = metrics::values(mesh, s.name, shown.field)?;
             let values = base64(values.into_iter().map(|x| x as f32), f32::to_le_bytes);
-            Some(json!({"name": name, "label": label, "good": good, "low": low, "high": high, "values": values}))
+            Some(json!({
+                "name": s.name, "label": s.label, "good": s.good, "low": s.low, "high": s.high, "values": values
+            }))
         })
         .collect();
     let mut report = shown.entries.clone();

@@ -82,12 +82,12 @@ pub enum IoError {
 
 impl IoError {
     /// A [`IoError::Syntax`] error.
-    pub(crate) fn syntax(format: &'static str, place: Place, message: impl Into<String>) -> Self {
+    pub fn syntax(format: &'static str, place: Place, message: impl Into<String>) -> Self {
         Self::Syntax { format, place, message: message.into() }
     }
 
     /// A [`IoError::Unsupported`] error.
-    pub(crate) fn unsupported(format: &'static str, place: Place, message: impl Into<String>) -> Self {
+    pub fn unsupported(format: &'static str, place: Place, message: impl Into<String>) -> Self {
         Self::Unsupported { format, place, message: message.into() }
     }
 }

@@ -13,6 +13,8 @@
 //! | [`hex`] | | swept hexahedra |
 //! | [`picture`] | | SVG and PNG pictures |
 //!
+//! [`outlines`] makes jobs that can be meshed of what a reader gives.
+//!
 //! [`read_job`], [`read_mesh`] and [`write_mesh`] choose by the name of a file or by a given format. No reader
 //! panics, whatever it is given; errors say where in the file.
 
@@ -37,6 +39,7 @@ pub mod mid_nodes;
 pub mod msh;
 mod netcdf;
 pub mod obj;
+pub mod outlines;
 pub mod picture;
 pub mod poly;
 mod rings;

@@ -16,11 +16,11 @@ use crate::progress::{self, Progress};
 use crate::timing::{Seconds, timed};
 use crate::{config, json, layers, logging, page, say, summary};
 use csalf_core::{Job, Meshed, Options};
-use csalf_geom::{Geometry, Point2, Tolerance};
+use csalf_geom::Geometry;
 use csalf_io::inp::InpElement;
 use csalf_io::{CellData, JobFormat, JobOptions, MeshView, MidNodes, WriteOptions};
-use csalf_mesh::quality::{QualityReport, scaled_jacobian};
-use csalf_sizemap::{Extras, SizeField};
+use csalf_mesh::quality::{QualityReport, metrics};
+use csalf_sizemap::SizeField;
 use serde_json::{Map, Value};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -356,20 +356,13 @@ pub fn mesh_one(job: &Job, request: &Request<'_>) -> Result<Done, Failure> {
 
 /// The size field that the job asks for, to compare the mesh with; `None` if it cannot be built.
 pub fn size_field(job: &Job, gradation: Option<f64>) -> Option<Arc<dyn SizeField>> {
-    let loops: Vec<Vec<Point2>> = job.domain.loops.iter().map(|l| l.nodes.clone()).collect();
-    let points: Vec<(Point2, f64)> = job.domain.points.iter().filter_map(|p| Some((p.xy, p.size?))).collect();
-    let tolerance = Tolerance::of_points(loops.iter().flatten().copied());
-    let extras = Extras { hard_points: &points, gradation };
-    csalf_sizemap::build(&job.size, &loops, &extras, tolerance).ok()
+    job.size_field(gradation).ok()
 }
 
 /// The scaled Jacobian of every element, for viewers.
 fn scaled_jacobians(meshed: &Meshed) -> CellData {
-    let mesh = &meshed.mesh;
-    let quads = mesh.quads.iter().map(|q| scaled_jacobian::value(&q.map(|v| mesh.points[v.index()])));
-    let triangles =
-        mesh.triangles.iter().map(|t| scaled_jacobian::of_triangle(&t.map(|v| mesh.points[v.index()])));
-    CellData { name: "scaled_jacobian".into(), values: quads.chain(triangles).collect() }
+    let name = "scaled_jacobian";
+    CellData { name: name.into(), values: metrics::values(&meshed.mesh, name, None).unwrap_or_default() }
 }
 
 /// Says what was done, and what was not.

@@ -9,6 +9,7 @@ mod card;
 mod corners;
 pub(crate) mod edges;
 pub mod jacobian_ratio;
+pub mod metrics;
 mod report;
 pub mod scaled_jacobian;
 pub mod shape;

@@ -1,8 +1,8 @@
 //! One number per element: quads first, then triangles.
 
+use super::{Corners, angles, aspect, jacobian_ratio, scaled_jacobian, shape, skew};
+use crate::QuadMesh;
 use csalf_geom::Point2;
-use csalf_mesh::QuadMesh;
-use csalf_mesh::quality::{Corners, angles, aspect, jacobian_ratio, scaled_jacobian, shape, skew};
 use csalf_sizemap::{Hint, SizeField};
 
 /// Names of all metrics, in the order in which people are shown them.
@@ -16,6 +16,32 @@ pub const NAMES: [&str; 9] = [
     "max_angle",
     "area",
     "size_ratio",
+];
+
+/// How a metric is shown to people.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scale {
+    /// Name of the metric, one of [`NAMES`].
+    pub name: &'static str,
+    /// What people read.
+    pub label: &'static str,
+    /// Which values are good: `high`, `low`, or those near `one`.
+    pub good: &'static str,
+    /// Value at the lower end of the colour scale.
+    pub low: f64,
+    /// Value at the upper end.
+    pub high: f64,
+}
+
+/// The metrics that interactive pages show, the most telling first.
+pub const SCALES: [Scale; 7] = [
+    Scale { name: "scaled_jacobian", label: "scaled Jacobian", good: "high", low: 0.0, high: 1.0 },
+    Scale { name: "shape", label: "shape", good: "high", low: 0.0, high: 1.0 },
+    Scale { name: "skew", label: "skew", good: "low", low: 0.0, high: 1.0 },
+    Scale { name: "aspect_ratio", label: "aspect ratio", good: "low", low: 1.0, high: 4.0 },
+    Scale { name: "min_angle", label: "smallest angle", good: "high", low: 0.0, high: 90.0 },
+    Scale { name: "max_angle", label: "largest angle", good: "low", low: 90.0, high: 180.0 },
+    Scale { name: "size_ratio", label: "size made / wanted", good: "one", low: 0.5, high: 2.0 },
 ];
 
 /// The values of a metric; NaN where it is not defined (of triangles, or without a size field). `None` if there is no

@@ -7,13 +7,13 @@
 //!
 //! One outline that cannot be given nodes does not lose the others.
 
+use crate::{Input, NamedGeometry};
 use csalf_core::Job;
 use csalf_geom::curve::Curve;
 use csalf_geom::geometry::{CurveLoop, CurveScar, Edge};
-use csalf_geom::{Geometry, Point2, Tolerance};
-use csalf_io::Input;
+use csalf_geom::{Domain, Geometry, GeometryDefect, Point2, Tolerance};
 use csalf_sizemap::{
-    CurvatureLimit, DiscretizeOptions, Extras, SizeField, SizeSpec, Uniform, build, discretize,
+    CurvatureLimit, DiscretizeOptions, Extras, SizeError, SizeField, SizeSpec, Uniform, build, discretize,
 };
 use std::sync::Arc;
 
@@ -55,13 +55,12 @@ pub fn jobs(input: Input, stem: &str, wish: Wish, notes: &mut Vec<String>) -> Ve
     let mut out: Vec<Outline> = match input {
         Input::Jobs(jobs) => jobs.into_iter().map(|job| of_job(job, wish, &mut sizes)).collect(),
         Input::Curves(list) => {
-            let job = |g: csalf_io::NamedGeometry| {
+            let job = |g: NamedGeometry| {
                 let blank = Job { name: g.name, ..Job::default() };
                 discretized(&g.geometry, blank, wish, &mut sizes)
             };
             list.into_iter().map(job).collect()
         }
-        _ => Vec::new(),
     };
     let n = out.len();
     for (k, o) in out.iter_mut().enumerate().filter(|(_, o)| o.name.is_empty()) {
@@ -87,7 +86,7 @@ fn of_job(mut job: Job, wish: Wish, sizes: &mut DefaultSizes) -> Outline {
 }
 
 /// The lines of a job without their nodes; corners stay.
-fn curves_of(job: &Job) -> Geometry {
+pub fn curves_of(job: &Job) -> Geometry {
     let line = |points: Vec<Point2>| vec![Edge::from(Curve::Polyline(points))];
     let d = &job.domain;
     let loops = d.loops.iter().map(|l| {
@@ -101,37 +100,77 @@ fn curves_of(job: &Job) -> Geometry {
 /// The job of a geometry, all but its domain taken from `job`.
 fn discretized(geometry: &Geometry, mut job: Job, wish: Wish, sizes: &mut DefaultSizes) -> Outline {
     let name = job.name.clone();
-    let mut options = DiscretizeOptions::default();
-    let field: Arc<dyn SizeField> = match (wish.size, &job.size) {
-        (Some(h), _) => {
-            job.size = SizeSpec::Uniform { h };
-            Arc::new(Uniform(h))
-        }
-        (None, SizeSpec::Boundary) => {
-            let h = geometry.diagonal() / EDGES_PER_DIAGONAL;
-            if h > 0.0 && h.is_finite() {
+    if let Some(h) = wish.size {
+        job.size = SizeSpec::Uniform { h };
+    }
+    let loops: Vec<Vec<Point2>> = job.domain.loops.iter().map(|l| l.nodes.clone()).collect();
+    match place(geometry, &job.size, &loops) {
+        Err(Unplaced::Size(e)) => Outline { name, job: Err(vec![e.to_string()]), geometry: None },
+        Err(Unplaced::Curves(defects)) => {
+            let defects = defects.iter().map(ToString::to_string).collect();
+            if let (SizeSpec::Boundary, Some(h)) = (&job.size, default_size(geometry)) {
                 sizes.add(h);
-                let floor = SHORTEST * h;
+            }
+            Outline { name, job: Err(defects), geometry: Some(geometry.clone()) }
+        }
+        Ok(placed) => {
+            job.domain = placed.domain;
+            placed.default_size.into_iter().for_each(|h| sizes.add(h));
+            Outline { name, job: Ok(job), geometry: Some(geometry.clone()) }
+        }
+    }
+}
+
+/// Nodes on curves.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Placed {
+    /// The curves, discretised.
+    pub domain: Domain,
+    /// The length that was chosen because none is given.
+    pub default_size: Option<f64>,
+}
+
+/// Why curves got no nodes.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Unplaced {
+    /// What is wrong with the curves.
+    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
+    Curves(Vec<GeometryDefect>),
+    /// The wanted sizes are invalid.
+    #[error("the wanted sizes are invalid: {0}")]
+    Size(#[from] SizeError),
+}
+
+/// Places nodes on curves as `size` says; `loops` are the nodes given so far, from which sizes may follow. Sizes of
+/// the boundary say nothing about curves: then [`default_size`] is taken, less at bends. Cost O(number of nodes).
+///
+/// # Errors
+/// [`Unplaced`].
+pub fn place(geometry: &Geometry, size: &SizeSpec, loops: &[Vec<Point2>]) -> Result<Placed, Unplaced> {
+    let mut options = DiscretizeOptions::default();
+    let mut chosen = None;
+    let field: Arc<dyn SizeField> = match size {
+        SizeSpec::Uniform { h } => Arc::new(Uniform(*h)),
+        SizeSpec::Boundary => {
+            chosen = default_size(geometry);
+            let floor = SHORTEST * chosen.unwrap_or_default();
+            if chosen.is_some() {
                 options.curvature = Some(CurvatureLimit { angle: TURN, chord: f64::INFINITY, floor });
             }
-            Arc::new(Uniform(h))
+            Arc::new(Uniform(chosen.unwrap_or_default()))
         }
-        (None, spec) => {
-            let loops: Vec<Vec<Point2>> = job.domain.loops.iter().map(|l| l.nodes.clone()).collect();
+        spec => {
             let tolerance = Tolerance::of_points(loops.iter().flatten().copied());
-            match build(spec, &loops, &Extras::default(), tolerance) {
-                Ok(field) => field,
-                Err(e) => return Outline { name, job: Err(vec![e.to_string()]), geometry: None },
-            }
+            build(spec, loops, &Extras::default(), tolerance)?
         }
     };
-    let domain = discretize(geometry, &*field, &options)
-        .map_err(|defects| defects.iter().map(ToString::to_string).collect::<Vec<_>>());
-    let job = domain.map(|domain| {
-        job.domain = domain;
-        job
-    });
-    Outline { name, job, geometry: Some(geometry.clone()) }
+    let domain = discretize(geometry, &*field, &options).map_err(Unplaced::Curves)?;
+    Ok(Placed { domain, default_size: chosen })
+}
+
+/// The length that curves are given where nothing says one: 1/40 of the diagonal. `None` of curves without extent.
+pub fn default_size(geometry: &Geometry) -> Option<f64> {
+    Some(geometry.diagonal() / EDGES_PER_DIAGONAL).filter(|h| *h > 0.0 && h.is_finite())
 }
 
 /// Sizes that were chosen because none was given.
@@ -160,10 +199,17 @@ impl DefaultSizes {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use csalf_io::NamedGeometry;
 
     fn disk(radius: f64) -> Geometry {
         Geometry::new(vec![Curve::circle(Point2::new(5.0, 5.0), radius)])
+    }
+
+    /// A square of side 12 with a hole of radius 1 and layers round it.
+    fn plate() -> Job {
+        let square = [(-6.0, -6.0), (6.0, -6.0), (6.0, 6.0), (-6.0, 6.0)].map(Point2::from);
+        let rim = (0..64).map(|i| Point2::from_angle(-std::f64::consts::TAU * f64::from(i) / 64.0));
+        let layers = vec![("hole0".to_owned(), csalf_pave::LayerSpec { count: 3, ..Default::default() })];
+        Job { domain: Domain::new(square.to_vec()).with_hole(rim.collect()), layers, ..Job::default() }
     }
 
     fn one(input: Input, wish: Wish) -> (Job, Vec<String>) {
@@ -199,7 +245,7 @@ mod tests {
 
     #[test]
     fn given_nodes_stay_unless_they_shall_not() {
-        let job = crate::commands::demo::plate();
+        let job = plate();
         let (kept, _) = one(Input::Jobs(vec![job.clone()]), Wish { size: Some(0.5), resample: false });
         assert_eq!(kept.domain, job.domain);
         assert_eq!(kept.size, SizeSpec::Uniform { h: 0.5 });
