@@ -1,5 +1,6 @@
 //! What can be wrong with a domain: one variant per way, each with its place and its cure.
 
+use crate::Point2;
 use std::fmt;
 
 /// A place in the input: a node (or the segment that starts at it) of a loop, scar or point.
@@ -201,6 +202,37 @@ pub enum Defect {
         /// How many are listed.
         listed: usize,
     },
+}
+
+impl Defect {
+    /// Where it is: the nodes, segments or points that the message names; empty if it has no place.
+    pub fn places(&self) -> Vec<Point2> {
+        let of = |p: &Place| Point2::new(p.x, p.y);
+        match self {
+            Self::NotFinite { at } | Self::Scale { at } | Self::Outside { at } | Self::BadSize { at, .. } => {
+                vec![of(at)]
+            }
+            Self::SelfIntersection { x, y, .. }
+            | Self::Crossing { x, y, .. }
+            | Self::OddRegion { x, y, .. } => {
+                vec![Point2::new(*x, *y)]
+            }
+            Self::RepeatedNode { first, second }
+            | Self::CoincidentNodes { first, second }
+            | Self::Overlap { first, second } => vec![of(first), of(second)],
+            Self::Touching { node, .. } => vec![of(node)],
+            Self::HoleInHole { inner, .. } => vec![of(inner)],
+            Self::PointOnSegment { point, .. } => vec![of(point)],
+            Self::TooFewNodes { .. }
+            | Self::ScarTooShort { .. }
+            | Self::NoOuterLoop
+            | Self::SeveralOuterLoops { .. }
+            | Self::ZeroArea { .. }
+            | Self::HoleAroundOuter { .. }
+            | Self::OddTotal { .. }
+            | Self::More { .. } => Vec::new(),
+        }
+    }
 }
 
 /// Something that is allowed but likely to give poor quads.

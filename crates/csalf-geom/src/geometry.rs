@@ -191,3 +191,16 @@ pub enum GeometryDefect {
         n_segments: usize,
     },
 }
+
+impl GeometryDefect {
+    /// Where it is, if it has a place.
+    pub fn place(&self) -> Option<Point2> {
+        match self {
+            Self::Gap { x, y, .. } | Self::BadSize { x, y, .. } => Some(Point2::new(*x, *y)),
+            Self::NoCurves { .. }
+            | Self::BadCurve { .. }
+            | Self::NoSegments { .. }
+            | Self::OddCounts { .. } => None,
+        }
+    }
+}

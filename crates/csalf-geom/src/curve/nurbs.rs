@@ -88,6 +88,17 @@ impl Nurbs {
         (self.knots[self.degree], self.knots[self.controls[0].len()])
     }
 
+    /// The degree, 1 or more.
+    pub fn degree(&self) -> usize {
+        self.degree
+    }
+
+    /// Control points and their weights; with weights of 1 exactly those that the curve was made of, otherwise to
+    /// the last digit.
+    pub fn controls(&self) -> impl Iterator<Item = (Point2, f64)> {
+        self.controls[0].iter().map(|h| (h.truncate() / h.z, h.z))
+    }
+
     /// The knots.
     pub fn knots(&self) -> &[f64] {
         &self.knots

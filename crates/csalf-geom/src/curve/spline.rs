@@ -22,6 +22,7 @@ pub struct Spline {
     points: Vec<Point2>,
     /// First derivative at each point.
     tangents: Vec<Point2>,
+    closed: bool,
 }
 
 impl Spline {
@@ -49,12 +50,22 @@ impl Spline {
             knots.push(knots[knots.len() - 1] + w[0].distance(w[1]));
         }
         let tangents = if closed { periodic(&p, &knots) } else { natural(&p, &knots) };
-        Ok(Self { knots, points: p, tangents })
+        Ok(Self { knots, points: p, tangents, closed })
     }
 
     /// First and last parameter.
     pub fn range(&self) -> (f64, f64) {
         (self.knots[0], self.knots[self.knots.len() - 1])
+    }
+
+    /// The points that the spline was made of.
+    pub fn points(&self) -> &[Point2] {
+        &self.points[..self.points.len() - usize::from(self.closed)]
+    }
+
+    /// True if it leads from the last point back to the first.
+    pub fn is_closed(&self) -> bool {
+        self.closed
     }
 
     /// Parameters of the points.
