@@ -54,6 +54,9 @@ pub enum Command {
     Sweep(SweepArgs),
     /// Tell what is in an outline, a mesh or a model, without meshing
     Info(InfoArgs),
+    /// Draw, mesh and look at outlines in the browser
+    #[cfg(feature = "studio")]
+    Studio(StudioArgs),
     /// Print the completion script of a shell
     #[command(hide = true)]
     Completions {
@@ -204,6 +207,21 @@ pub struct InfoArgs {
     /// Print one JSON object as the last line on standard output
     #[arg(long)]
     pub json: bool,
+}
+
+/// Arguments of `csalf studio`.
+#[cfg(feature = "studio")]
+#[derive(clap::Args, Clone, Debug)]
+pub struct StudioArgs {
+    /// Outline to begin with: .json job, .geojson, .topojson, .poly, .dxf, .svg, .msh
+    #[arg(value_hint = ValueHint::FilePath)]
+    pub file: Option<PathBuf>,
+    /// Port on 127.0.0.1 [default: any that is free]
+    #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]
+    pub port: u16,
+    /// Only print the address, open no browser
+    #[arg(long)]
+    pub no_open: bool,
 }
 
 /// `--method`.

@@ -3,7 +3,7 @@
 //! ```text
 //!   9  py
 //!   8  cli                             bench and xtask stand above, the testkit beside the tower:
-//!   7  step
+//!   7  step     studio
 //!   6  model
 //!   5  surface  io                       xtask may see all; the testkit all up to io,
 //!   4  core                              and anyone may use it in tests
@@ -19,7 +19,7 @@ use super::{list, text};
 use serde_json::Value;
 
 /// The layer of each crate of ours.
-const LAYERS: [(&str, u32); 17] = [
+const LAYERS: [(&str, u32); 18] = [
     ("csalf-geom", 0),
     ("csalf-sizemap", 1),
     ("csalf-mesh", 2),
@@ -33,6 +33,7 @@ const LAYERS: [(&str, u32); 17] = [
     ("csalf-testkit", 6),
     ("csalf-model", 6),
     ("csalf-step", 7),
+    ("csalf-studio", 7),
     ("csalf-cli", 8),
     ("csalf-py", 9),
     ("csalf-bench", 9),
@@ -40,10 +41,11 @@ const LAYERS: [(&str, u32); 17] = [
 ];
 
 /// Third-party crates that only some of ours may use, because a rule hangs on it.
-const RESERVED: [(&str, &[&str], &str); 4] = [
+const RESERVED: [(&str, &[&str], &str); 5] = [
     ("robust", &["csalf-geom"], "signs are decided by csalf_geom::predicates alone"),
     ("nalgebra", &["csalf-clean"], "linear algebra stays inside the optimiser"),
     ("clap", &["csalf-cli", "xtask"], "libraries do not parse command lines"),
+    ("axum", &["csalf-studio"], "one crate serves pages, behind a feature"),
     ("tracing-subscriber", &["csalf-cli"], "libraries do not install subscribers"),
 ];
 

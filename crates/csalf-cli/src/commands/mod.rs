@@ -7,6 +7,8 @@ mod dry_run;
 pub mod info;
 pub mod mesh;
 pub mod model;
+#[cfg(feature = "studio")]
+pub mod studio;
 pub mod sweep;
 
 use crate::args::{Args, Command};
@@ -24,6 +26,8 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         Command::Demo(a) => demo::run(a, level),
         Command::Sweep(a) => sweep::run(a, level),
         Command::Info(a) => info::run(a, level),
+        #[cfg(feature = "studio")]
+        Command::Studio(a) => studio::run(a, level),
         Command::Completions { shell } => completions::run(*shell),
     }
 }
