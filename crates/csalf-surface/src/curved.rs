@@ -22,12 +22,12 @@ use csalf_geom::VertexId;
 use csalf_mesh::QuadTopology;
 use glam::DVec2;
 
-/// Facets longer than this share of the wanted length are divided before cuts are made along them.
-const COARSE: f64 = 0.35;
+/// Sides of facets longer than this share of the wanted length are halved before cuts are made along them.
+const COARSE: f64 = 0.7;
 /// Most facets after dividing.
 const MAX_FACETS: usize = 60_000;
 /// Most times that the facets are divided.
-const MAX_LEVELS: usize = 3;
+const MAX_LEVELS: usize = 6;
 /// Times that a cut face is meshed with smaller sizes, if two pieces between the same seams are but one quad
 /// wide, so that their meshes share more than the seams.
 const RETRIES: usize = 4;
@@ -71,8 +71,8 @@ pub(crate) fn curved(input: &FaceInput<'_>, options: &Options) -> Result<FaceMes
             Ok(None) => {
                 face.fill_sizes(input, options);
                 for _ in 0..MAX_LEVELS {
-                    if face.is_coarse() {
-                        face.refine()?;
+                    if face.patch.triangles.len() >= MAX_FACETS || !face.refine()? {
+                        break;
                     }
                 }
                 face.is_fine = true;
@@ -160,18 +160,18 @@ impl Face {
         (0..self.patch.twin.len() as u32).find(at)
     }
 
-    fn is_coarse(&self) -> bool {
-        let (mut l, mut h, n) = (0.0, 0.0, self.patch.twin.len());
-        for s in 0..n as u32 {
+    /// Halves the sides that are too long; false if there is none.
+    fn refine(&mut self) -> Result<bool, FaceError> {
+        let sizes = self.sizes.clone();
+        let is_long = |s: u32| {
             let (a, b) = self.patch.ends(s);
-            l += self.patch.points[a as usize].distance(self.patch.points[b as usize]);
-            h += self.sizes[a as usize];
+            let h = 0.5 * (sizes[a as usize] + sizes[b as usize]);
+            self.patch.points[a as usize].distance(self.patch.points[b as usize]) > COARSE * h
+        };
+        if !(0..self.patch.twin.len() as u32).any(is_long) {
+            return Ok(false);
         }
-        l > COARSE * h && 4 * self.patch.triangles.len() <= MAX_FACETS
-    }
-
-    fn refine(&mut self) -> Result<(), FaceError> {
-        let (patch, middle) = self.patch.subdivided(&mut self.sizes)?;
+        let (patch, middle) = self.patch.subdivided(&mut self.sizes, is_long)?;
         let halves: Vec<Vec<u32>> = self
             .scars
             .iter()
@@ -179,7 +179,7 @@ impl Face {
                 let mut out = Vec::with_capacity(2 * s.len());
                 for w in s.windows(2) {
                     out.push(w[0]);
-                    out.extend(self.side(w[0], w[1]).map(|h| middle[h as usize]));
+                    out.extend(self.side(w[0], w[1]).map(|h| middle[h as usize]).filter(|&v| v != NONE));
                 }
                 out.extend(s.last());
                 out
@@ -189,7 +189,8 @@ impl Face {
         self.patch = patch;
         self.node_at.resize(self.patch.points.len(), NONE);
         self.loop_of.resize(self.patch.points.len(), NONE);
-        self.find_scars()
+        self.find_scars()?;
+        Ok(true)
     }
 
     pub(crate) fn middle_of(&self, chart: &Chart) -> glam::DVec3 {
@@ -210,10 +211,13 @@ fn divide(face: &Face, given: Option<&[DVec2]>) -> Result<Option<Atlas>, FaceErr
     let mut open = components(patch, &cut, None);
     open.reverse();
     let mut pieces: Vec<Piece> = Vec::new();
+    // Of one piece, that the coarse facets could not be flattened is answer enough.
+    let mut refused = face.is_fine && open.len() == 1;
     while let Some(facets) = open.pop() {
         let chart = Chart::new(patch, &cut, facets, &mut scratch);
         let many = pieces.len() + open.len() >= MAX_CHARTS;
-        if let Some(map) = flatten(&chart, given, many) {
+        let skip = std::mem::take(&mut refused);
+        if !skip && let Some(map) = flatten(&chart, given, many) {
             pieces.push(Piece { chart, map });
             continue;
         }

@@ -75,4 +75,10 @@ pub trait Projector: Sync + std::fmt::Debug {
     /// (a start for iterations); `None` if there is none. Answers that are far off are refused by the caller.
     /// Pure.
     fn project(&self, near: DVec3, facet: u32, bary: [f64; 3]) -> Option<SurfacePoint>;
+
+    /// True if [`Self::project`] follows from the place on the facet alone: a map, continuous from facet to facet. Its
+    /// answers are then taken however coarse the facets are; those of a search are held against the facet.
+    fn is_map(&self) -> bool {
+        false
+    }
 }

@@ -69,13 +69,18 @@ impl Patch {
         Ok(Self { points, triangles, twin, parent })
     }
 
-    /// Each facet divided into four. Old vertices keep their numbers; `values` (one per vertex) are
-    /// interpolated, and `middle` tells the new vertex in the middle of each half-side.
-    pub(crate) fn subdivided(&self, values: &mut Vec<f64>) -> Result<(Self, Vec<u32>), FaceError> {
+    /// The sides for which `is_long` holds (of both half-sides or of none) halved, the facets divided to match. Old
+    /// vertices keep their numbers; `values` (one per vertex) are interpolated, and `middle` tells the new vertex in the
+    /// middle of each half-side, [`NONE`] of those that are not halved.
+    pub(crate) fn subdivided(
+        &self,
+        values: &mut Vec<f64>,
+        is_long: impl Fn(u32) -> bool,
+    ) -> Result<(Self, Vec<u32>), FaceError> {
         let mut points = self.points.clone();
         let mut middle = vec![NONE; self.twin.len()];
         for h in 0..middle.len() {
-            if middle[h] != NONE {
+            if middle[h] != NONE || !is_long(h as u32) {
                 continue;
             }
             let (a, b) = self.ends(h as u32);
@@ -88,10 +93,37 @@ impl Patch {
         }
         let mut triangles = Vec::with_capacity(4 * self.triangles.len());
         let mut parent = Vec::with_capacity(4 * self.triangles.len());
-        for (t, &[a, b, c]) in self.triangles.iter().enumerate() {
-            let [ab, bc, ca] = [middle[3 * t], middle[3 * t + 1], middle[3 * t + 2]];
-            triangles.extend([[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]);
-            parent.extend([self.parent[t]; 4]);
+        for (t, corners) in self.triangles.iter().enumerate() {
+            let before = triangles.len();
+            let halved: Vec<usize> = (0..3).filter(|&k| middle[3 * t + k] != NONE).collect();
+            // The corners from the one that the case is told from, and the middles of the sides that begin there.
+            let turned = |k: usize| {
+                let at = |i: usize| (k + i) % 3;
+                ([0, 1, 2].map(|i| corners[at(i)]), [0, 1, 2].map(|i| middle[3 * t + at(i)]))
+            };
+            match halved[..] {
+                [] => triangles.push(*corners),
+                [k] => {
+                    let ([a, b, c], [ab, ..]) = turned(k);
+                    triangles.extend([[a, ab, c], [ab, b, c]]);
+                }
+                [j, k] => {
+                    // The corner between the two halved sides is cut off, the rest divided by its shorter diagonal.
+                    let ([a, b, c], [ab, bc, _]) = turned(if (j + 1) % 3 == k { j } else { k });
+                    triangles.push([ab, b, bc]);
+                    let p = |v: u32| points[v as usize];
+                    if p(a).distance_squared(p(bc)) <= p(ab).distance_squared(p(c)) {
+                        triangles.extend([[a, ab, bc], [a, bc, c]]);
+                    } else {
+                        triangles.extend([[a, ab, c], [ab, bc, c]]);
+                    }
+                }
+                _ => {
+                    let ([a, b, c], [ab, bc, ca]) = turned(0);
+                    triangles.extend([[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]);
+                }
+            }
+            parent.extend(std::iter::repeat_n(self.parent[t], triangles.len() - before));
         }
         Ok((Self::build(points, triangles, parent)?, middle))
     }

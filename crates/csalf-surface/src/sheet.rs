@@ -42,6 +42,7 @@ impl Ground<'_> {
             .max(corners[1].distance(corners[2]))
             .max(corners[2].distance(corners[0]));
         match surface.project(p, parent, bary) {
+            Some(s) if surface.is_map() && s.point.is_finite() => (s.point, s.normal.normalize_or(n), true),
             Some(s)
                 if s.point.is_finite()
                     && s.point.distance(p) <= FAR * longest

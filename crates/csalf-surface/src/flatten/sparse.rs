@@ -5,6 +5,8 @@
 //!         │s│            touch the right one are the separator, numbered last; again in both halves
 //! ```
 //!
+//! Of facets that span the whole extent, such as those of a bore, all would be separator: another axis is taken then.
+//!
 //! 1. [`Order::new`]: nested dissection.
 //! 2. Elimination tree and column counts.
 //! 3. Row k of L by a sparse triangular solve over the tree (the up-looking method; Davis, *Direct Methods
@@ -17,6 +19,9 @@ use glam::DVec3;
 const NONE: u32 = u32::MAX;
 /// Vertices of a part that is not divided any more. Any value from 4 to 64 costs about the same.
 const LEAF: usize = 12;
+
+/// A separator of more vertices than this many times the root of all is a poor one.
+const POOR: f64 = 2.0;
 
 /// An elimination order: position of each vertex.
 #[derive(Clone, Debug)]
@@ -76,27 +81,40 @@ impl Graph<'_> {
             .iter()
             .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), &v| (lo.min(p(v)), hi.max(p(v))));
         let d = hi - lo;
-        let axis = if d.x >= d.y && d.x >= d.z {
-            0
-        } else if d.y >= d.z {
-            1
-        } else {
-            2
-        };
+        let mut axes = [0, 1, 2];
+        axes.sort_by(|&a, &b| d[b].total_cmp(&d[a]).then(a.cmp(&b)));
+        let good = POOR * (ids.len() as f64).sqrt();
+        let mut best: Option<[Vec<u32>; 3]> = None;
+        for axis in axes {
+            let parts = self.divide(&mut ids, axis, side, stamp);
+            let n = parts[1].len();
+            if best.as_ref().is_none_or(|b| n < b[1].len()) {
+                best = Some(parts);
+            }
+            if n as f64 <= good {
+                break;
+            }
+        }
+        let Some([left, separator, right]) = best else { return };
+        self.dissect(left, side, stamp, out);
+        self.dissect(right, side, stamp, out);
+        out.extend(separator);
+    }
+
+    /// Left part, separator and right part by the median along an axis.
+    fn divide(&self, ids: &mut [u32], axis: usize, side: &mut [u32], stamp: &mut u32) -> [Vec<u32>; 3] {
+        let p = |v: u32| self.points[v as usize];
         let half = ids.len() / 2;
         ids.select_nth_unstable_by(half, |&a, &b| p(a)[axis].total_cmp(&p(b)[axis]).then(a.cmp(&b)));
         *stamp += 1;
         let mark = *stamp;
         ids[half..].iter().for_each(|&v| side[v as usize] = mark);
-        let right = ids.split_off(half);
         let touches = |v: u32| {
             let (a, b) = (self.start[v as usize] as usize, self.start[v as usize + 1] as usize);
             self.near[a..b].iter().any(|&w| side[w as usize] == mark)
         };
-        let (separator, left): (Vec<u32>, Vec<u32>) = ids.into_iter().partition(|&v| touches(v));
-        self.dissect(left, side, stamp, out);
-        self.dissect(right, side, stamp, out);
-        out.extend(separator);
+        let (separator, left): (Vec<u32>, Vec<u32>) = ids[..half].iter().partition(|&&v| touches(v));
+        [left, separator, ids[half..].to_vec()]
     }
 }
 
