@@ -20,8 +20,11 @@ use rayon::prelude::*;
 pub struct ModelOptions {
     /// Sizes; `None`: a fortieth of the model's diagonal, the rest by default.
     pub size: Option<SizeRules>,
-    /// Layers by pattern of the loops' names (see [`loop_matches`]); a later entry overrides an earlier one.
+    /// Layers by pattern of the loops' names (see [`loop_matches`]) or of `FACE/LOOP`; a later entry overrides an
+    /// earlier one.
     pub layers: Vec<(String, LayerSpec)>,
+    /// Sizes of the edges of loops, by the same patterns, whatever the curvature; a later entry overrides an earlier one.
+    pub loop_sizes: Vec<(String, f64)>,
     /// Hard points (weld spots) in space: each becomes a node of the nearest face, in a node set of its name.
     pub points: Vec<(String, DVec3)>,
     /// Segments of edges that must not change, by pattern of names.
@@ -30,8 +33,6 @@ pub struct ModelOptions {
     pub mesher: Options,
 }
 
-/// Default size as a share of the model's diagonal.
-const DEFAULT_SIZE: f64 = 1.0 / 40.0;
 /// Points closer than this share of the model's diagonal are on one surface, at one pole; what files carry.
 const NEAR: f64 = 1e-6;
 
@@ -86,7 +87,7 @@ pub fn named_loops(model: &Model) -> Vec<NamedLoop> {
 /// Cost: linear in the number of quads, but for the pairing of odd faces.
 pub fn mesh_model(model: &Model, options: &ModelOptions) -> ModelMesh {
     let diagonal = model.diagonal();
-    let rules = options.size.clone().unwrap_or_else(|| SizeRules::of(diagonal * DEFAULT_SIZE));
+    let rules = options.size.clone().unwrap_or_else(|| SizeRules::of_model(model));
     let mut out = ModelMesh { warnings: model.notes.clone(), ..ModelMesh::default() };
     if !(rules.size > 0.0 && rules.size.is_finite() && diagonal.is_finite()) || model.faces.is_empty() {
         out.warnings.push("the model has no face, or its size is not a positive number".into());
@@ -105,8 +106,9 @@ pub fn mesh_model(model: &Model, options: &ModelOptions) -> ModelMesh {
         return out;
     }
     let loops = named_loops(model);
+    say_unmatched(model, options, &rules, &loops, &mut out);
     let layers = layers_by_loop(model, options, &loops);
-    let limits = limits(model, options, &layers);
+    let limits = limits(model, options, &layers, &loops);
     let plan = {
         let _span = tracing::info_span!("csalf.edges", n_edges = model.edges.len()).entered();
         plan(model, &rules, &limits)
@@ -162,14 +164,49 @@ fn layers_by_loop(model: &Model, options: &ModelOptions, loops: &[NamedLoop]) ->
     let mut layers: Vec<Vec<Option<LayerSpec>>> =
         model.faces.iter().map(|f| vec![None; f.loops.len()]).collect();
     for l in loops {
-        let asked = options.layers.iter().rev().find(|(p, _)| loop_matches(p, &l.name, l.diameter));
+        let asked = options.layers.iter().rev().find(|(p, _)| is_meant(model, p, l));
         layers[l.face][l.loop_index] = asked.map(|(_, spec)| spec.clone());
     }
     layers
 }
 
-/// Least and frozen counts of edges.
-fn limits(model: &Model, options: &ModelOptions, layers: &[Vec<Option<LayerSpec>>]) -> Limits {
+/// Whether a pattern means a loop: by its own name, or by `FACE/LOOP`.
+fn is_meant(model: &Model, pattern: &str, l: &NamedLoop) -> bool {
+    let long = || format!("{}/{}", model.faces[l.face].name, l.name);
+    loop_matches(pattern, &l.name, l.diameter)
+        || (pattern.contains('/') && loop_matches(pattern, &long(), l.diameter))
+}
+
+/// Patterns that nothing has a name for, one sentence each.
+fn say_unmatched(
+    model: &Model,
+    options: &ModelOptions,
+    rules: &SizeRules,
+    loops: &[NamedLoop],
+    out: &mut ModelMesh,
+) {
+    let named = |p: &str| loops.iter().any(|l| is_meant(model, p, l));
+    let edge = |p: &str| model.edges.iter().any(|e| crate::names::matches(p, &e.name));
+    let face = |p: &str| model.faces.iter().any(|f| crate::names::matches(p, &f.name));
+    let mut say = |what: &str, kind: &str, pattern: &str, found: bool| {
+        if !found {
+            out.warnings.push(format!("{what} for '{pattern}': no {kind} has such a name"));
+        }
+    };
+    options.layers.iter().for_each(|(p, _)| say("layers", "loop", p, named(p)));
+    options.loop_sizes.iter().for_each(|(p, _)| say("a size", "loop", p, named(p)));
+    options.counts.iter().for_each(|(p, _)| say("a count", "edge", p, edge(p)));
+    rules.edges.iter().for_each(|(p, _)| say("a size", "edge", p, edge(p)));
+    rules.faces.iter().for_each(|(p, _)| say("a size", "face", p, face(p)));
+}
+
+/// Least counts, frozen counts and sizes of edges.
+fn limits(
+    model: &Model,
+    options: &ModelOptions,
+    layers: &[Vec<Option<LayerSpec>>],
+    loops: &[NamedLoop],
+) -> Limits {
     /// Segments of a closed edge, and of one with layers around it.
     const CLOSED: usize = 4;
     const LAYERED: usize = 8;
@@ -190,7 +227,14 @@ fn limits(model: &Model, options: &ModelOptions, layers: &[Vec<Option<LayerSpec>
         let named = options.counts.iter().rev().find(|(p, _)| crate::names::matches(p, &e.name));
         named.map(|(_, n)| *n)
     };
-    Limits { least, frozen: model.edges.iter().map(count).collect() }
+    let mut sizes = vec![None; model.edges.len()];
+    for l in loops.iter().filter(|_| !options.loop_sizes.is_empty()) {
+        let asked = options.loop_sizes.iter().rev().find(|(p, _)| is_meant(model, p, l));
+        for u in asked.iter().flat_map(|_| &model.faces[l.face].loops[l.loop_index].uses) {
+            sizes[u.edge] = asked.map(|a| a.1);
+        }
+    }
+    Limits { least, frozen: model.edges.iter().map(count).collect(), sizes }
 }
 
 /// What the plan could not do, in words.
@@ -296,10 +340,11 @@ fn stitch(
         out.face_of_quad.extend(std::iter::repeat_n(f as u32, n - first_quad));
         let id = |q: usize| QuadId(q as u32);
         out.sets.quads.push((face.name.clone(), (first_quad..n).map(id).collect()));
+        let first_set = out.sets.quads.len();
         for (k, layer, quads) in &m.rings {
             let Some(l) = names.get(*k) else { continue };
             let quads = quads.iter().map(|q| id(first_quad + *q as usize)).collect();
-            out.sets.quads.push((format!("{}_layer{layer}", l.name), quads));
+            add_quads(&mut out.sets.quads, first_set, format!("{}_layer{layer}", l.name), quads);
         }
         let by_user = |k: usize| given.layers[f].get(k).is_some_and(Option::is_some);
         for (k, asked, made, why) in m.layers.into_iter().filter(|l| by_user(l.0)) {
@@ -343,6 +388,14 @@ fn own_numbers(m: &MeshedFace, points: &mut Vec<DVec3>) -> Vec<u32> {
             points.len() as u32 - 1
         })
         .collect()
+}
+
+/// Adds quads to the set of this name from the `first` on; the two loops of a seam have one name.
+fn add_quads(sets: &mut Vec<(String, Vec<QuadId>)>, first: usize, name: String, quads: Vec<QuadId>) {
+    match sets[first..].iter_mut().find(|s| s.0 == name) {
+        Some(set) => set.1.extend(quads),
+        None => sets.push((name, quads)),
+    }
 }
 
 /// Counts sides of one quad and of three and more.

@@ -3,7 +3,12 @@
 //! ```text
 //!   extrude   loops of lines and arcs, two caps and a wall per curve      box, plate with holes, cylinder, tube
 //!   sheet     an open chain of lines and arcs, no caps                    hat section, bent flange
+//!   panel     a corrugated sheet of as many faces as asked for, with holes
 //! ```
+
+mod panel;
+
+pub use panel::panel;
 
 use crate::brep::{Body, Edge, EdgeIndex, EdgeUse, Face, FaceShape, Loop, Model, VertexIndex};
 use crate::geometry::{Curve, Frame, Surface};

@@ -3,7 +3,9 @@
 use csalf_geom::QuadId;
 use csalf_model::brep::{FaceShape, Model};
 use csalf_model::geometry::{Frame, Inverter, Surface};
-use csalf_model::shapes::{Piece, circle, closed_surface, cone, extrude, half_sphere, rectangle, sheet};
+use csalf_model::shapes::{
+    Piece, circle, closed_surface, cone, extrude, half_sphere, panel, rectangle, sheet,
+};
 use csalf_model::{LayerSpec, ModelMesh, ModelOptions, SizeRules, check_and_snap, mesh_model};
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -79,8 +81,7 @@ fn a_cylinder_a_half_sphere_and_a_cone_close() {
     for (part, exact, least) in [
         (disk, PI * 4.0 * 5.0, 0.2),
         (half_sphere(2.0), PI * 16.0 / 3.0, 0.2),
-        // Round the apex, the normal turns by more than a right angle within a quad.
-        (cone(2.0, 3.0), PI * 4.0, -0.1),
+        (cone(2.0, 3.0), PI * 4.0, 0.1),
     ] {
         let m = mesh_model(&part, &options(0.5));
         check(&part, &m, least);
@@ -126,6 +127,26 @@ fn a_hat_section_is_one_sheet() {
         .map(|e| e.1.len())
         .sum();
     assert_eq!(m.n_free_sides, on_rim);
+}
+
+#[test]
+fn a_panel_is_one_sheet() {
+    let mut part = panel(9, 3);
+    let report = check_and_snap(&mut part);
+    assert!(report.messages.is_empty(), "{:?}", report.messages);
+    assert_eq!(part.faces.len(), 27);
+    let m = mesh_model(&part, &options(1.0));
+    check(&part, &m, 0.4);
+    let free: usize = part
+        .edge_uses()
+        .iter()
+        .zip(&part.edges)
+        .filter(|(u, _)| u.len() == 1)
+        .filter_map(|(_, e)| m.sets.edges.iter().find(|s| s.0 == e.name))
+        .map(|s| s.1.len())
+        .sum();
+    assert_eq!(m.n_free_sides, free);
+    assert_eq!(csalf_model::brep::loop_features(&part).len(), 9);
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use super::NodeName;
 use super::chart::{Chart, Kind};
 use super::open::{ChartNode, Opened, inside};
-use crate::geometry::{Inverter, Surface};
+use crate::geometry::Surface;
 use csalf_surface::{Facets, Projector, SurfacePoint};
 use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
@@ -242,27 +242,23 @@ fn rings(most: f64, radius: impl Fn(f64) -> f64, share: impl Fn(f64) -> f64) -> 
 #[derive(Debug)]
 pub(super) struct Beneath<'a> {
     pub(super) chart: Chart<'a>,
-    pub(super) inverter: &'a Inverter<'a>,
     pub(super) corners: &'a [[DVec2; 3]],
     pub(super) forward: bool,
 }
 
 impl Projector for Beneath<'_> {
-    fn project(&self, near: DVec3, facet: u32, bary: [f64; 3]) -> Option<SurfacePoint> {
-        let uv = match self.chart.surface.closed_form_parameters(near) {
-            Some(uv) => uv,
-            None => {
-                let c = self.corners.get(facet as usize)?;
-                let q = c[0] * bary[0] + c[1] * bary[1] + c[2] * bary[2];
-                // What the descent from the facet's own place finds is taken, however far the facet was off.
-                self.inverter.invert(near, Some(self.chart.parameters(q)), f64::INFINITY).0
-            }
-        };
-        let at = self.chart.surface.eval(uv);
+    fn project(&self, _: DVec3, facet: u32, bary: [f64; 3]) -> Option<SurfacePoint> {
+        let c = self.corners.get(facet as usize)?;
+        let q = c[0] * bary[0] + c[1] * bary[1] + c[2] * bary[2];
+        let at = self.chart.eval(q);
         let normal = match self.chart.surface {
             Surface::Sphere { frame, .. } => (at.point - frame.origin).try_normalize()?,
             _ => at.du.cross(at.dv).try_normalize()?,
         };
         Some(SurfacePoint { point: at.point, normal: if self.forward { normal } else { -normal } })
+    }
+
+    fn is_map(&self) -> bool {
+        true
     }
 }

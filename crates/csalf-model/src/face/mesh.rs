@@ -2,12 +2,12 @@
 
 use super::chart::Chart;
 use super::facets::{Beneath, ChartFacets, facets};
-use super::open::{Opened, open, open_sphere};
+use super::open::{Opened, Sizing, open, open_sphere};
 use super::points::Hard;
 use super::trim::{UvLoop, UvNode, chain_nodes, trim_loop, without_seams};
 use super::{NodeName, NodeTable, case, closed, patch, points};
 use crate::brep::{Face, FaceShape, Model};
-use crate::geometry::{Inverter, Surface};
+use crate::geometry::{Inverter, Surface, SurfacePoint};
 use crate::plan::{Plan, SizeRules};
 use crate::report::FaceFailure;
 use csalf_core::{Job, Options};
@@ -16,6 +16,9 @@ use csalf_surface::{FaceInput, FaceLoop, FaceMesh, FaceSize, Facets, LayerSpec, 
 use glam::{DVec2, DVec3};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
+
+/// A face of more quads is a mistake in the units; its mesh would not fit into memory.
+const MOST_QUADS: f64 = 1e8;
 
 /// All that the faces of one model share.
 #[derive(Clone, Copy, Debug)]
@@ -62,19 +65,41 @@ pub(crate) fn mesh_one(
         FaceShape::Facets(p) => patch::mesh_patch(cx, index, p, hard).map_err(|m| fail(m, None)),
         FaceShape::Surface(surface, forward) => {
             let uses = without_seams(&face.loops, surface);
-            if uses.is_empty() && face.loops.iter().all(|l| l.vertex.is_none() || !l.uses.is_empty()) {
+            // A loop of a vertex alone is the apex of a cone; of a sphere or torus, a mere point of its seam.
+            let has_apex = face.loops.iter().any(|l| l.vertex.is_some() && l.uses.is_empty());
+            if uses.is_empty() && !(has_apex && matches!(surface, Surface::Cone { .. } | Surface::Nurbs(_))) {
                 return closed::mesh_closed(cx, face, surface, *forward).map_err(|m| fail(m, None));
             }
             let inverter = Inverter::new(surface);
             let mut opened = open_face(cx, face, &inverter, *forward).map_err(|m| fail(m, None))?;
+            let n_quads = expected_quads(&opened);
+            if n_quads > MOST_QUADS {
+                return Err(fail(
+                    format!("its size asks for {n_quads:.1e} quads; choose a larger one"),
+                    None,
+                ));
+            }
             let hard = points::add(&mut opened, &inverter, hard);
             let faceted =
                 facets(&opened, *forward).map_err(|m| fail(m, Some(case::of_chart(face, &opened))))?;
-            mesh_chart(cx, index, &inverter, &opened, &faceted)
+            mesh_chart(cx, index, &opened, &faceted)
                 .map(|m| MeshedFace { hard, ..m })
                 .map_err(|m| fail(m, Some(case::of_chart(face, &opened))))
         }
     }
+}
+
+/// Quads that the segments on the boundary ask for, about: the area in the chart over that of a segment's square.
+fn expected_quads(opened: &Opened<'_>) -> f64 {
+    let (mut area, mut length, mut n) = (0.0, 0.0, 0);
+    for (_, l) in &opened.loops {
+        let q: Vec<DVec2> = l.iter().map(|n| n.q).collect();
+        area += csalf_geom::polygon::signed_area(&q);
+        length += (0..q.len()).map(|i| q[i].distance(q[(i + 1) % q.len()])).sum::<f64>();
+        n += q.len();
+    }
+    let segment = length / n as f64;
+    if segment > 0.0 { area.abs() / (segment * segment) } else { 0.0 }
 }
 
 /// The face's loops in a chart.
@@ -102,13 +127,15 @@ pub(super) fn open_face<'a>(
         let point = *cx.table.points.get(number as usize)?;
         Some(UvNode { name: NodeName::Model(number), uv: DVec2::ZERO, point })
     });
-    open(surface, trims, apex)
+    let most = cx.rules.of_face(&face.name);
+    let at = |s: &SurfacePoint| cx.rules.for_curvature(s.max_curvature(), most);
+    let least = if cx.rules.per_turn > 0.0 { cx.rules.min_size.min(most) } else { most };
+    open(surface, trims, apex, &Sizing { at: &at, least, gradation: cx.rules.gradation })
 }
 
 fn mesh_chart(
     cx: &Context<'_>,
     index: usize,
-    inverter: &Inverter<'_>,
     opened: &Opened<'_>,
     faceted: &ChartFacets,
 ) -> Result<MeshedFace, String> {
@@ -120,7 +147,7 @@ fn mesh_chart(
         .iter()
         .map(|(source, nodes)| FaceLoop { nodes: nodes.clone(), layers: layers_of(cx, index, *source) })
         .collect();
-    let beneath = Beneath { chart, inverter, corners: &faceted.corners, forward: *forward };
+    let beneath = Beneath { chart, corners: &faceted.corners, forward: *forward };
     let sizes = match surface {
         Surface::Plane(_) | Surface::Cylinder { .. } => Vec::new(),
         _ => vertex_sizes(cx, face, &faceted.facets, &loops, &|v| {
@@ -152,18 +179,25 @@ fn mesh_chart(
         }
         Err(e) => Err(e.to_string()),
     }
-    .map(|m| with_own(m, opened))
+    .map(|m| with_own(m, opened, *forward))
 }
 
-/// Puts the positions of nodes made for the face (on a cut, an apex) before those of the mesh.
-fn with_own(mut m: MeshedFace, opened: &Opened<'_>) -> MeshedFace {
-    let nodes = opened.loops.iter().flat_map(|l| &l.1).chain(&opened.points);
-    for n in nodes {
-        if let NodeName::Own(k) = n.name
+/// Puts the positions of nodes made for the face (on a cut, an apex) before those of the mesh, and the cap behind its
+/// quads.
+fn with_own(mut m: MeshedFace, opened: &Opened<'_>, forward: bool) -> MeshedFace {
+    let nodes = opened.loops.iter().flat_map(|l| &l.1).chain(&opened.points).map(|n| (n.name, n.point));
+    for (name, point) in nodes.chain(opened.cap.iter().map(|c| (c.apex, c.point))) {
+        if let NodeName::Own(k) = name
             && let Some(p) = m.own.get_mut(k as usize)
         {
-            *p = n.point;
+            *p = point;
         }
+    }
+    for mut q in opened.cap.iter().flat_map(|c| &c.quads).copied() {
+        if !forward {
+            q.reverse();
+        }
+        m.quads.push(q);
     }
     m
 }

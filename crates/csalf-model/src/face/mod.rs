@@ -1,9 +1,11 @@
 //! One face of the model: its loops in the parameters of its surface, a chart without seams or poles, facets on it,
 //! and the mesh.
 
+mod apex;
 mod case;
 mod chart;
 mod closed;
+mod cut;
 mod facets;
 mod mesh;
 mod open;

@@ -1,16 +1,12 @@
 //! From the loops in the parameters to polygons in a chart: loops round a closed direction are opened by a cut, or laid
-//! round a pole.
-//!
-//! ```text
-//!   ◀──────────────   loop that winds -1        ┌──────────────┐
-//!   material               ─cut─▶               │c            c'│   the cut's two copies have the same names
-//!   ──────────────▶   loop that winds +1        └──────────────┘
-//! ```
+//! round a pole; around the apex of a cone there is a cap.
 
 use super::NodeName;
+use super::apex::{Cap, cap};
 use super::chart::Chart;
+use super::cut::Tube;
 use super::trim::{UvLoop, UvNode};
-use crate::geometry::Surface;
+use crate::geometry::{Surface, SurfacePoint};
 use glam::{DVec2, DVec3};
 
 /// A node in the chart.
@@ -31,6 +27,18 @@ pub(super) struct Opened<'a> {
     pub(super) points: Vec<ChartNode>,
     /// Number of nodes made for this face.
     pub(super) n_own: u32,
+    /// Quads around the apex of a cone, which the loops leave out.
+    pub(super) cap: Option<Cap>,
+}
+
+/// The sizes of a face, as far as cuts and caps need them.
+pub(super) struct Sizing<'a> {
+    /// The wanted length at a place of the surface.
+    pub(super) at: &'a dyn Fn(&SurfacePoint) -> f64,
+    /// The smallest that curvature asks for.
+    pub(super) least: f64,
+    /// Growth per length.
+    pub(super) gradation: f64,
 }
 
 /// Loops of a sphere, in the order of the nodes: stereographic.
@@ -54,7 +62,7 @@ pub(super) fn open_sphere<'a>(surface: &'a Surface, loops: &[UvLoop]) -> Option<
         nodes.dedup_by(|a, b| a.name == b.name);
         (l.source, nodes)
     });
-    Some(Opened { chart, loops: polygons.collect(), points: Vec::new(), n_own: 0 })
+    Some(Opened { chart, loops: polygons.collect(), points: Vec::new(), n_own: 0, cap: None })
 }
 
 /// Opens the loops of any other surface. `apex`: the node of a vertex loop.
@@ -62,6 +70,7 @@ pub(super) fn open<'a>(
     surface: &'a Surface,
     mut loops: Vec<UvLoop>,
     apex: Option<UvNode>,
+    sizing: &Sizing<'_>,
 ) -> Result<Opened<'a>, String> {
     let periods = surface.periods();
     if loops.iter().any(|l| l.winding.iter().any(|w| w.abs() > 1) || l.winding.iter().all(|w| *w != 0)) {
@@ -77,6 +86,15 @@ pub(super) fn open<'a>(
     }
     let periods = if along_v { [periods[1], periods[0]] } else { periods };
     let mut n_own = 0;
+    let cap = match loops.iter().position(|l| l.winding[0] != 0) {
+        Some(k) if loops.iter().filter(|l| l.winding[0] != 0).count() == 1 => {
+            cap(surface, &loops, &loops[k], apex, sizing.least, &mut n_own).map(|(ring, cap)| {
+                loops.push(ring);
+                cap
+            })
+        }
+        _ => None,
+    };
     let up = loops.iter().filter(|l| l.winding[0] == 1).count();
     let down = loops.iter().filter(|l| l.winding[0] == -1).count();
     let mean_v = |l: &UvLoop| l.nodes.iter().map(|n| n.uv.y).sum::<f64>() / l.nodes.len().max(1) as f64;
@@ -108,7 +126,16 @@ pub(super) fn open<'a>(
             holes = std::mem::take(&mut loops);
             let period = periods[0].ok_or("a loop winds round a direction that is not closed")?;
             let at = |uv: DVec2| surface.eval(if along_v { DVec2::new(uv.y, uv.x) } else { uv });
-            Some(cut(&low, &high, &holes, period, &at, &mut n_own)?)
+            let tube = Tube {
+                low: &low,
+                high: &high,
+                holes: &holes,
+                period,
+                at: &at,
+                size: sizing.at,
+                gradation: sizing.gradation,
+            };
+            Some(tube.open(&mut n_own)?)
         }
         (1, 0) | (0, 1) if !along_v => return around_pole(surface, loops, apex, up == 1),
         _ => return Err(format!("{up} loops wind round the surface one way and {down} the other")),
@@ -120,7 +147,7 @@ pub(super) fn open<'a>(
     let (low, high) = bounds(&all).ok_or("the face has no loop")?;
     let chart = Chart::band(surface, low, high);
     let place = |n: &UvNode| ChartNode { name: n.name, q: chart.place(n.uv), point: n.point };
-    let mut opened = Opened { chart, loops: Vec::new(), points: Vec::new(), n_own };
+    let mut opened = Opened { chart, loops: Vec::new(), points: Vec::new(), n_own, cap };
     for l in &all {
         let mut nodes: Vec<ChartNode> = l.nodes.iter().map(place).collect();
         // A pole that is one place in the chart.
@@ -187,108 +214,6 @@ pub(super) fn inside(polygon: &[DVec2], p: DVec2) -> bool {
     (0..n).filter(|&i| crosses(i)).count() % 2 == 1
 }
 
-/// Joins a loop that winds +1 (below) and one that winds -1 (above) by a cut, which is straight in the parameters and
-/// as short as it can be without crossing a loop.
-fn cut(
-    low: &UvLoop,
-    high: &UvLoop,
-    holes: &[UvLoop],
-    period: f64,
-    at: &dyn Fn(DVec2) -> crate::geometry::SurfacePoint,
-    n_own: &mut u32,
-) -> Result<UvLoop, String> {
-    /// Pairs of nodes that are tried, shortest first.
-    const TRIES: usize = 400;
-    let middle = 0.5 * (low.nodes[0].uv + high.nodes[0].uv);
-    let scale = {
-        let s = at(middle);
-        DVec2::new(s.du.length().max(f64::MIN_POSITIVE), s.dv.length().max(f64::MIN_POSITIVE))
-    };
-    let near = |uv: DVec2, hint: DVec2| DVec2::new(uv.x + ((hint.x - uv.x) / period).round() * period, uv.y);
-    let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
-    for (i, a) in low.nodes.iter().enumerate() {
-        let best = high
-            .nodes
-            .iter()
-            .enumerate()
-            .map(|(j, b)| (((near(b.uv, a.uv) - a.uv) * scale).length_squared(), i, j))
-            .min_by(|a, b| a.0.total_cmp(&b.0).then(a.2.cmp(&b.2)));
-        pairs.extend(best);
-    }
-    pairs.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
-    let segments = || {
-        [low, high].into_iter().chain(holes).flat_map(|l| {
-            let n = l.nodes.len();
-            let last = move |i: usize| {
-                // The closing segment of a loop that winds leads one period on.
-                let next = l.nodes[(i + 1) % n].uv;
-                if i + 1 == n { next + DVec2::new(period * f64::from(l.winding[0]), 0.0) } else { next }
-            };
-            (0..n).map(move |i| (l.nodes[i].uv, last(i)))
-        })
-    };
-    let free = |a: DVec2, b: DVec2| {
-        // The ends touch their own loops: the cut is held against everything a little within.
-        const WITHIN: f64 = 1e-6;
-        let (p, q) = (a + (b - a) * WITHIN, b + (a - b) * WITHIN);
-        !segments().any(|(s, t)| {
-            [-2.0, -1.0, 0.0, 1.0, 2.0].iter().any(|k| {
-                let d = DVec2::new(k * period, 0.0);
-                cross(p, q, s + d, t + d)
-            })
-        })
-    };
-    let (_, i, j) = pairs
-        .into_iter()
-        .take(TRIES)
-        .find(|&(_, i, j)| free(low.nodes[i].uv, near(high.nodes[j].uv, low.nodes[i].uv)))
-        .ok_or("no cut between the two loops that wind round the surface was found")?;
-    let (a, b) = (low.nodes[i].uv, near(high.nodes[j].uv, low.nodes[i].uv));
-    // Nodes of the cut: as dense as those of the loops beside its ends.
-    let spacing = |l: &UvLoop, k: usize| {
-        let n = l.nodes.len();
-        let p = |k: usize| l.nodes[k % n].point;
-        0.5 * (p(k).distance(p(k + 1)) + p(k).distance(p(k + n - 1)))
-    };
-    let length: f64 = (0..16)
-        .map(|k| {
-            let p = |k: u32| at(a + (b - a) * (f64::from(k) / 16.0)).point;
-            p(k).distance(p(k + 1))
-        })
-        .sum();
-    let h = (spacing(low, i) * spacing(high, j)).sqrt();
-    let n = ((length / h).round() as usize).clamp(1, 10_000);
-    let first = *n_own;
-    *n_own += n as u32 - 1;
-    let on_cut = |k: usize, shift: f64| {
-        let uv = a + (b - a) * (k as f64 / n as f64);
-        UvNode {
-            name: NodeName::Own(first + k as u32 - 1),
-            uv: uv + DVec2::new(shift, 0.0),
-            point: at(uv).point,
-        }
-    };
-    let shifted = |m: &UvNode, s: f64| UvNode { uv: m.uv + DVec2::new(s, 0.0), ..*m };
-    let mut nodes = Vec::new();
-    let (nl, nh) = (low.nodes.len(), high.nodes.len());
-    nodes.extend((0..=nl).map(|k| shifted(&low.nodes[(i + k) % nl], if i + k >= nl { period } else { 0.0 })));
-    nodes.extend((1..n).map(|k| on_cut(k, period)));
-    let to = b.x + period - high.nodes[j].uv.x;
-    nodes.extend(
-        (0..=nh).map(|k| shifted(&high.nodes[(j + k) % nh], to - if j + k >= nh { period } else { 0.0 })),
-    );
-    nodes.extend((1..n).rev().map(|k| on_cut(k, 0.0)));
-    Ok(UvLoop { nodes, winding: [0, 0], source: low.source })
-}
-
-/// Whether two segments cross properly or touch.
-fn cross(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> bool {
-    use csalf_geom::predicates::orient2d;
-    let s = |p, q, r| orient2d(p, q, r);
-    let (x, y) = (s(a, b, c) * s(a, b, d), s(c, d, a) * s(c, d, b));
-    x <= 0.0 && y <= 0.0 && (x < 0.0 || y < 0.0)
-}
-
 /// A face with one loop round a pole.
 fn around_pole<'a>(
     surface: &'a Surface,
@@ -305,7 +230,7 @@ fn around_pole<'a>(
     let place = |n: &UvNode| ChartNode { name: n.name, q: chart.place(n.uv), point: n.point };
     loops.retain(|l| !l.nodes.is_empty());
     let polygons = loops.iter().map(|l| (l.source, l.nodes.iter().map(place).collect())).collect();
-    let mut opened = Opened { chart, loops: polygons, points: Vec::new(), n_own: 0 };
+    let mut opened = Opened { chart, loops: polygons, points: Vec::new(), n_own: 0, cap: None };
     // A sharp apex must be a node; a smooth pole need not be.
     if matches!(surface, Surface::Cone { .. }) {
         let point = surface.eval(DVec2::new(0.0, pole)).point;

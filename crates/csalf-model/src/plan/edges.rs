@@ -46,18 +46,20 @@ pub struct Plan {
     pub infeasible: Vec<Infeasible>,
 }
 
-/// Least counts and frozen counts of edges.
+/// What is asked of single edges, per edge; lists may be shorter.
 #[derive(Clone, Debug, Default)]
 pub struct Limits {
     /// Least number of segments, per edge.
     pub least: Vec<usize>,
     /// Number of segments that must not change, per edge.
     pub frozen: Vec<Option<usize>>,
+    /// Size, whatever the curvature and the rules say, per edge.
+    pub sizes: Vec<Option<f64>>,
 }
 
 /// Plans all edges. Cost O(edges log edges) and the matching of odd faces.
 pub fn plan(model: &Model, rules: &super::SizeRules, limits: &Limits) -> Plan {
-    let sizes = super::size::sizes(model, rules);
+    let sizes = super::size::sizes(model, rules, &limits.sizes);
     let uses = model.edge_uses();
     let wanted: Vec<f64> =
         (0..model.edges.len()).map(|e| cumulative(model, &sizes, e)[STATIONS - 1]).collect();

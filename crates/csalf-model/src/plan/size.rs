@@ -7,8 +7,9 @@
 //!
 //! Handbook 8.2, 8.3, 10.1.
 
-use crate::brep::{FaceShape, Model};
+use crate::brep::{Edge, FaceShape, Model};
 use crate::geometry::{Curve, Inverter, Surface};
+use glam::DVec3;
 use std::collections::BinaryHeap;
 use std::f64::consts::TAU;
 
@@ -45,6 +46,12 @@ impl SizeRules {
         }
     }
 
+    /// Rules for a model of which nothing is asked: a fortieth of its diagonal.
+    pub fn of_model(model: &Model) -> Self {
+        const SHARE: f64 = 1.0 / 40.0;
+        Self::of(model.diagonal() * SHARE)
+    }
+
     /// The size for a curvature (1/length), at most `most`.
     pub fn for_curvature(&self, k: f64, most: f64) -> f64 {
         if self.per_turn <= 0.0 || k <= 0.0 {
@@ -69,18 +76,27 @@ pub(crate) struct Sizes {
     pub(crate) lengths: Vec<f64>,
 }
 
-/// Sizes of all edges. Cost O(uses), and inversions for NURBS faces.
-pub(crate) fn sizes(model: &Model, rules: &SizeRules) -> Sizes {
+/// Sizes of all edges; `given` are those of single edges, which go before all others. Cost O(uses), and inversions for
+/// NURBS faces.
+pub(crate) fn sizes(model: &Model, rules: &SizeRules, given: &[Option<f64>]) -> Sizes {
     let share = |k: usize| k as f64 / (STATIONS - 1) as f64;
-    let lengths: Vec<f64> = model.edges.iter().map(crate::brep::Edge::length).collect();
+    let lengths: Vec<f64> = model.edges.iter().map(Edge::length).collect();
     let mut at: Vec<[f64; STATIONS]> = model
         .edges
         .iter()
         .map(|e| {
             let mut h = [rules.size; STATIONS];
-            if !matches!(e.curve, Curve::Line { .. } | Curve::Polyline(_)) {
-                for (k, h) in h.iter_mut().enumerate() {
-                    *h = rules.for_curvature(e.at(share(k)).curvature(), rules.size);
+            match &e.curve {
+                Curve::Line { .. } => {}
+                Curve::Polyline(_) => {
+                    for (h, k) in h.iter_mut().zip(bends(e)) {
+                        *h = rules.for_curvature(k, rules.size);
+                    }
+                }
+                _ => {
+                    for (k, h) in h.iter_mut().enumerate() {
+                        *h = rules.for_curvature(e.at(share(k)).curvature(), rules.size);
+                    }
                 }
             }
             h
@@ -115,16 +131,39 @@ pub(crate) fn sizes(model: &Model, rules: &SizeRules) -> Sizes {
             }
         }
     }
-    for (edge, h) in model.edges.iter().zip(&mut at) {
-        if let Some((_, wanted)) =
-            rules.edges.iter().rev().find(|(p, _)| crate::names::matches(p, &edge.name))
-        {
-            *h = [*wanted; STATIONS];
+    for (e, (edge, h)) in model.edges.iter().zip(&mut at).enumerate() {
+        let named = || rules.edges.iter().rev().find(|(p, _)| crate::names::matches(p, &edge.name));
+        if let Some(wanted) = given.get(e).copied().flatten().or_else(|| named().map(|n| n.1)) {
+            *h = [wanted; STATIONS];
         }
     }
     let mut sizes = Sizes { at, lengths };
     grade(model, rules.gradation, &mut sizes);
     sizes
+}
+
+/// The curvature of a polyline at the stations: the turn from the chord before to the chord behind, over their mean
+/// length. Noise shorter than that does not count.
+fn bends(edge: &Edge) -> [f64; STATIONS] {
+    const LAST: usize = STATIONS - 1;
+    let points: [DVec3; STATIONS] = std::array::from_fn(|k| edge.at(k as f64 / LAST as f64).point);
+    let mut out = [0.0; STATIONS];
+    for k in 0..=LAST {
+        let (before, behind) = match k {
+            0 | LAST if edge.is_closed() => (LAST - 1, 1),
+            0 | LAST => continue,
+            k => (k - 1, k + 1),
+        };
+        let (a, b) = (points[k] - points[before], points[behind] - points[k]);
+        let length = 0.5 * (a.length() + b.length());
+        if length > 0.0 {
+            out[k] = a.cross(b).length().atan2(a.dot(b)) / length;
+        }
+    }
+    if !edge.is_closed() {
+        (out[0], out[LAST]) = (out[1], out[LAST - 1]);
+    }
+    out
 }
 
 /// Limits the growth along edges and through vertices: Dijkstra over the vertices.
