@@ -11,6 +11,8 @@
 //! "hole*" = 2
 //! outer = { count = 1, law = "geometric(1.2)", first = 0.05 }
 //! ```
+//!
+//! Of whole models there is more to say: see [`ModelKeys`].
 
 use crate::args::{ElementArg, MeshArgs, MethodArg, PresetArg};
 use crate::layers::{Layers, parse_law};
@@ -42,6 +44,86 @@ struct Config {
     input_format: Option<String>,
     json: Option<bool>,
     report: Option<PathBuf>,
+    model: Option<ModelKeys>,
+}
+
+/// The table `[model]`: what is asked of a whole model, by names as `csalf info` lists them.
+///
+/// ```toml
+/// [model]
+/// min_size = 0.2               # curvature asks for no less
+/// per_turn = 16                # elements per full turn
+/// faces = { "top*" = 2.0 }     # sizes; the smallest that fits counts
+/// edges = { "rim" = 0.5 }      # sizes, whatever the curvature; the last that fits counts
+/// loops = { "hole<12" = 0.4 }  # sizes of the edges of loops
+/// counts = { "up*" = 6 }       # numbers of segments that must not change
+/// points = { spot1 = [1.0, 2.0, 0.0] }
+/// ```
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ModelKeys {
+    /// Curvature asks for no less than this.
+    pub min_size: Option<f64>,
+    /// Elements per full turn of a curve or surface; 0: curvature does not matter.
+    pub per_turn: Option<f64>,
+    /// Sides at which the normal turns by more are edges of a model of facets, degrees.
+    pub feature_angle: Option<f64>,
+    /// Sizes of faces by pattern.
+    #[serde(default, deserialize_with = "in_order")]
+    pub faces: Vec<(String, f64)>,
+    /// Sizes of edges by pattern.
+    #[serde(default, deserialize_with = "in_order")]
+    pub edges: Vec<(String, f64)>,
+    /// Sizes of the edges of loops by pattern.
+    #[serde(default, deserialize_with = "in_order")]
+    pub loops: Vec<(String, f64)>,
+    /// Fixed numbers of segments of edges by pattern.
+    #[serde(default, deserialize_with = "in_order")]
+    pub counts: Vec<(String, usize)>,
+    /// Points that become nodes of the nearest face.
+    #[serde(default, deserialize_with = "in_order")]
+    pub points: Vec<(String, [f64; 3])>,
+}
+
+/// A table as a list in the order of the file.
+fn in_order<'de, D, T>(from: D) -> Result<Vec<(String, T)>, D::Error>
+where
+    D: serde::Deserializer<'de>,
+    T: serde::de::DeserializeOwned,
+{
+    let table = toml::Table::deserialize(from)?;
+    let entry = |(key, value): (String, toml::Value)| {
+        let value = value.try_into().map_err(|e| serde::de::Error::custom(format!("{key}: {e}")))?;
+        Ok((key, value))
+    };
+    table.into_iter().map(entry).collect()
+}
+
+impl ModelKeys {
+    /// Sizes and angles must be above 0, points finite.
+    fn check(&self) -> Result<(), String> {
+        for (key, value) in [("min_size", self.min_size), ("feature_angle", self.feature_angle)] {
+            positive(key, value)?;
+        }
+        let none = self.per_turn.filter(|n| *n != 0.0);
+        positive("per_turn", none)?;
+        for (key, value) in self.faces.iter().chain(&self.edges).chain(&self.loops) {
+            positive(key, Some(*value))?;
+        }
+        match self.points.iter().find(|(_, p)| p.iter().any(|x| !x.is_finite())) {
+            Some((name, _)) => Err(format!("the point {name} is not finite")),
+            None => Ok(()),
+        }
+    }
+}
+
+/// What the file says that has no place on the command line.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Extra {
+    /// Layers of the table `[layers]`.
+    pub layers: Layers,
+    /// The table `[model]`.
+    pub model: Option<ModelKeys>,
 }
 
 #[derive(Clone, Debug, Deserialize)]
@@ -67,11 +149,11 @@ struct LayerEntry {
     first: Option<f64>,
 }
 
-/// The arguments with what the file adds, and the layers that the file asks for by its table.
+/// The arguments with what the file adds, and what has no place among them.
 ///
 /// # Errors
 /// What is wrong with the text, in words.
-pub fn merge(args: &MeshArgs, text: &str, folder: &Path) -> Result<(MeshArgs, Layers), String> {
+pub fn merge(args: &MeshArgs, text: &str, folder: &Path) -> Result<(MeshArgs, Extra), String> {
     let c: Config = toml::from_str(text).map_err(|e| e.to_string().trim_end().to_owned())?;
     let place = |p: PathBuf| if p.as_os_str() == "-" { p } else { folder.join(p) };
     let mut out = args.clone();
@@ -119,7 +201,10 @@ pub fn merge(args: &MeshArgs, text: &str, folder: &Path) -> Result<(MeshArgs, La
     out.format = out.format.or(c.format);
     out.input_format = out.input_format.or(c.input_format);
     out.report = out.report.or_else(|| c.report.map(place));
-    Ok((out, table))
+    if let Some(model) = &c.model {
+        model.check().map_err(|e| format!("model: {e}"))?;
+    }
+    Ok((out, Extra { layers: table, model: c.model }))
 }
 
 fn entry(value: toml::Value, args: &MeshArgs) -> Result<LayerSpec, String> {
@@ -155,7 +240,8 @@ mod tests {
     #[test]
     fn a_file_fills_what_the_command_line_leaves_open() {
         let args = MeshArgs { size: Some(0.5), ..MeshArgs::default() };
-        let (m, layers) = merge(&args, TEXT, Path::new("jobs")).unwrap();
+        let (m, extra) = merge(&args, TEXT, Path::new("jobs")).unwrap();
+        let layers = extra.layers;
         assert_eq!(m.size, Some(0.5));
         assert_eq!(m.input, Some(PathBuf::from("jobs/in.json")));
         assert_eq!(m.output, [PathBuf::from("jobs/a.vtu"), PathBuf::from("-")]);
@@ -168,9 +254,20 @@ mod tests {
     #[test]
     fn layers_on_the_command_line_replace_those_of_the_file() {
         let args = MeshArgs { layers: Some("outer=3".into()), ..MeshArgs::default() };
-        let (m, layers) = merge(&args, TEXT, Path::new("")).unwrap();
+        let (m, extra) = merge(&args, TEXT, Path::new("")).unwrap();
         assert_eq!(m.layers.as_deref(), Some("outer=3"));
-        assert!(layers.is_empty());
+        assert!(extra.layers.is_empty());
+    }
+
+    #[test]
+    fn models_have_keys_of_their_own() {
+        let text = "[model]\nper_turn = 0\nedges = { b = 1, a = 0.5 }\ncounts = { 'up*' = 4 }\n\
+                    points = { s = [1.0, 2.0, 3.0] }\n";
+        let (_, extra) = merge(&MeshArgs::default(), text, Path::new("")).unwrap();
+        let model = extra.model.unwrap();
+        assert_eq!(model.counts, [("up*".to_owned(), 4)]);
+        assert_eq!(model.points, [("s".to_owned(), [1.0, 2.0, 3.0])]);
+        assert_eq!(model.edges.len(), 2);
     }
 
     #[test]
@@ -183,6 +280,8 @@ mod tests {
             ("[layers]\na = { count = 1, low = 2 }", "low"),
             ("layer_law = 'x'", "layer_law"),
             ("size = ", "TOML"),
+            ("[model]\nfaces = { a = -1 }", "above 0"),
+            ("[model]\nfoo = 1", "foo"),
         ] {
             let e = merge(&MeshArgs::default(), text, Path::new("")).unwrap_err();
             assert!(e.contains(word), "{text}: {e}");

@@ -1,7 +1,7 @@
 //! What `-v` shows: the events and spans of the libraries, on standard error.
 
 use tracing::Level;
-use tracing_subscriber::filter::LevelFilter;
+use tracing_subscriber::filter::{LevelFilter, Targets};
 use tracing_subscriber::fmt::format::FmtSpan;
 use tracing_subscriber::prelude::*;
 
@@ -23,7 +23,9 @@ pub fn install(verbosity: i32, progress: Option<crate::progress::Stages>) {
             .without_time()
             .with_filter(level)
     });
-    let stages = progress.map(|p| p.with_filter(LevelFilter::INFO));
+    // The end of each face of a model is told below the level of stages.
+    let shown = Targets::new().with_default(Level::INFO).with_target("csalf::face", Level::DEBUG);
+    let stages = progress.map(|p| p.with_filter(shown));
     if lines.is_none() && stages.is_none() {
         return;
     }

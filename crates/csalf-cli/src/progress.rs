@@ -32,8 +32,7 @@ impl Progress {
     /// A line that appears on standard error after a second.
     pub fn start() -> Self {
         let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden());
-        let style = ProgressStyle::with_template("{spinner} {elapsed} {msg}");
-        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
+        bar.set_style(style("{spinner} {elapsed} {msg}"));
         let (done, wait) = mpsc::channel();
         let line = bar.clone();
         let drawer = std::thread::spawn(move || {
@@ -61,7 +60,16 @@ impl Drop for Progress {
     }
 }
 
-/// Shows each stage that the libraries enter (spans) or report as done (the field `stage` of events).
+/// The style of this template.
+fn style(template: &str) -> ProgressStyle {
+    ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_spinner())
+}
+
+/// The span in which the faces of a model are meshed, and the target of the event at the end of each.
+const FACES: (&str, &str) = ("csalf.faces", "csalf::face");
+
+/// Shows each stage that the libraries enter (spans) or report as done (the field `stage` of events); of a model, a bar
+/// that counts faces.
 #[derive(Debug)]
 pub struct Stages {
     bar: ProgressBar,
@@ -69,11 +77,21 @@ pub struct Stages {
 
 impl<S: tracing::Subscriber> Layer<S> for Stages {
     fn on_new_span(&self, span: &Attributes<'_>, _: &Id, _: Context<'_, S>) {
+        if self.bar.length().is_some() {
+            return;
+        }
         self.bar.set_message(span.metadata().name());
+        if span.metadata().name() == FACES.0 {
+            span.record(&mut Faces(&self.bar));
+        }
     }
 
     fn on_event(&self, event: &Event<'_>, _: Context<'_, S>) {
-        event.record(&mut StageName(&self.bar));
+        if event.metadata().target() == FACES.1 {
+            self.bar.inc(1);
+        } else if self.bar.length().is_none() {
+            event.record(&mut StageName(&self.bar));
+        }
     }
 }
 
@@ -90,10 +108,36 @@ impl Visit for StageName<'_> {
     fn record_debug(&mut self, _: &Field, _: &dyn std::fmt::Debug) {}
 }
 
+/// Takes the number of faces out of their span.
+struct Faces<'a>(&'a ProgressBar);
+
+impl Visit for Faces<'_> {
+    fn record_u64(&mut self, field: &Field, value: u64) {
+        if field.name() == "n_faces" {
+            self.0.set_style(style("{spinner} {elapsed} [{bar:40}] {pos} of {len} faces"));
+            self.0.set_length(value);
+        }
+    }
+
+    fn record_debug(&mut self, _: &Field, _: &dyn std::fmt::Debug) {}
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use tracing_subscriber::prelude::*;
+
+    #[test]
+    fn faces_are_counted() {
+        let line = Progress::start();
+        let subscriber = tracing_subscriber::registry().with(line.stages());
+        tracing::subscriber::with_default(subscriber, || {
+            let _span = tracing::info_span!("csalf.faces", n_faces = 3_usize).entered();
+            tracing::debug!(target: "csalf::face", face = 0_usize);
+            tracing::info_span!("fill").in_scope(|| ());
+        });
+        assert_eq!((line.bar.length(), line.bar.position()), (Some(3), 1));
+    }
 
     #[test]
     fn stages_are_shown_and_the_line_ends() {

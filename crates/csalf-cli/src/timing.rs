@@ -12,6 +12,14 @@ pub struct Seconds {
     pub cpu: f64,
 }
 
+/// The most memory that this process held at one time, in megabytes; `None` where the system does not tell.
+pub fn peak_memory_mb() -> Option<f64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"))?;
+    let kilobytes: f64 = line.trim().trim_end_matches("kB").trim().parse().ok()?;
+    Some(kilobytes / 1024.0)
+}
+
 /// Runs `f` and measures it.
 pub fn timed<T>(f: impl FnOnce() -> T) -> (T, Seconds) {
     let (wall, cpu) = (Instant::now(), ProcessTime::try_now().ok());

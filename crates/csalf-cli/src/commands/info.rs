@@ -26,7 +26,7 @@ pub fn run(args: &InfoArgs, level: i32) -> Result<(), Failure> {
 fn info(args: &InfoArgs, level: i32) -> Result<(), Failure> {
     let shown = files::shown(&args.input);
     if let Some(format) = super::model::format(&args.input, args.format.as_deref()) {
-        return super::model::info(args, format);
+        return super::model_info::info(args, format);
     }
     // Outlines come first; of formats that hold both, a mesh is what has elements.
     match files::job_format(&args.input, args.format.as_deref()) {

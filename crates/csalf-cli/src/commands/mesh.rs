@@ -9,6 +9,7 @@
 
 use super::model;
 use crate::args::MeshArgs;
+use crate::config::Extra;
 use crate::exit::Failure;
 use crate::files::{self, Output};
 use crate::outlines::{self, Wish};
@@ -30,13 +31,13 @@ use std::sync::Arc;
 /// # Errors
 /// A [`Failure`]; of several outlines, that of the first one that failed.
 pub fn run(args: &MeshArgs, level: i32) -> Result<(), Failure> {
-    if let Some(format) = args.input.as_deref().and_then(|p| model::format(p, args.input_format.as_deref())) {
-        return super::with_json(args.json, model::mesh(args, format, level));
-    }
     let mut json = args.json;
-    let result = settle(args).and_then(|plan| {
-        json |= plan.args.json;
-        execute(&plan, level)
+    let result = merged(args).and_then(|(args, extra)| {
+        json |= args.json;
+        match args.input.as_deref().and_then(|p| model::format(p, args.input_format.as_deref())) {
+            Some(format) => model::mesh(&args, &extra, format, level),
+            None => settle(args, extra).and_then(|plan| execute(&plan, level)),
+        }
     });
     super::with_json(json, result)
 }
@@ -61,20 +62,37 @@ impl Plan {
     }
 }
 
-/// Merges the command line with the `--config` file and settles the formats.
-fn settle(args: &MeshArgs) -> Result<Plan, Failure> {
-    let (args, mut table) = match &args.config {
-        None => (args.clone(), layers::Layers::new()),
-        Some(path) => {
-            let bytes = files::read(path)?;
-            let name = path.display();
-            let text = String::from_utf8(bytes).map_err(|e| Failure::Usage(format!("{name}: {e}")))?;
-            let folder = path.parent().unwrap_or(Path::new(""));
-            config::merge(args, &text, folder).map_err(|e| Failure::Usage(format!("{name}: {e}")))?
-        }
-    };
+/// The command line, and the `--config` file below it.
+fn merged(args: &MeshArgs) -> Result<(MeshArgs, Extra), Failure> {
+    let Some(path) = &args.config else { return Ok((args.clone(), Extra::default())) };
+    let bytes = files::read(path)?;
+    let name = path.display();
+    let text = String::from_utf8(bytes).map_err(|e| Failure::Usage(format!("{name}: {e}")))?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    config::merge(args, &text, folder).map_err(|e| Failure::Usage(format!("{name}: {e}")))
+}
+
+/// Settles the formats.
+fn settle(args: MeshArgs, extra: Extra) -> Result<Plan, Failure> {
+    let mut table = extra.layers;
+    if extra.model.is_some() {
+        return Err(Failure::Usage("[model] in the configuration is for models, not for outlines".into()));
+    }
     let input = args.input.clone().ok_or_else(|| Failure::Usage("no input: name one, or `-`".into()))?;
     let input_format = files::job_format(&input, args.input_format.as_deref())?;
+    let outputs = outputs(&args)?;
+    if args.centres && args.order != Some(2) {
+        return Err(Failure::Usage("--centres goes with --order 2".into()));
+    }
+    if let Some(text) = &args.layers {
+        table = layers::parse(text, args.layer_law.as_ref(), args.first_layer)
+            .map_err(|e| Failure::Usage(format!("--layers: {e}")))?;
+    }
+    Ok(Plan { args, input, input_format, outputs, layers: table })
+}
+
+/// The files to write, their formats known.
+pub(super) fn outputs(args: &MeshArgs) -> Result<Vec<Output>, Failure> {
     let mut outputs = Vec::with_capacity(args.output.len());
     for path in &args.output {
         let format = files::mesh_format(path, args.format.as_deref())?;
@@ -82,9 +100,6 @@ fn settle(args: &MeshArgs) -> Result<Plan, Failure> {
             return Err(Failure::Usage(format!("the output {} is named twice", path.display())));
         }
         outputs.push(Output { path: path.clone(), format });
-    }
-    if args.centres && args.order != Some(2) {
-        return Err(Failure::Usage("--centres goes with --order 2".into()));
     }
     if outputs.is_empty() && !args.dry_run && !args.json && args.report.is_none() {
         return Err(Failure::Usage(
@@ -96,11 +111,7 @@ fn settle(args: &MeshArgs) -> Result<Plan, Failure> {
             "-o - and --json both want standard output: write the mesh to a file, or use --report".into(),
         ));
     }
-    if let Some(text) = &args.layers {
-        table = layers::parse(text, args.layer_law.as_ref(), args.first_layer)
-            .map_err(|e| Failure::Usage(format!("--layers: {e}")))?;
-    }
-    Ok(Plan { args, input, input_format, outputs, layers: table })
+    Ok(outputs)
 }
 
 /// Reads, meshes, writes, reports.

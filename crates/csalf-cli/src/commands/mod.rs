@@ -7,6 +7,8 @@ mod dry_run;
 pub mod info;
 pub mod mesh;
 pub mod model;
+mod model_info;
+mod model_report;
 #[cfg(feature = "studio")]
 pub mod studio;
 pub mod sweep;

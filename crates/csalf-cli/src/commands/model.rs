@@ -1,21 +1,22 @@
-//! `csalf mesh` and `csalf info` of whole models: STEP files and facets.
+//! `csalf mesh` of whole models: STEP files and facets.
 
-use crate::args::{InfoArgs, MeshArgs};
+use super::mesh::outputs;
+use super::model_info;
+use super::model_report::{Done, scaled_jacobians};
+use crate::args::MeshArgs;
+use crate::config::{Extra, ModelKeys};
 use crate::exit::Failure;
 use crate::files::{self, Output};
-use crate::timing::{Seconds, timed};
+use crate::progress::{self, Progress};
+use crate::timing::timed;
 use crate::{json, layers, logging, say};
 use csalf_core::Options;
-use csalf_geom::QuadId;
 use csalf_io::facets::FacetFormat;
 use csalf_io::{CellData, MeshView};
-use csalf_mesh::SurfaceMesh;
-use csalf_model::brep::{FaceShape, HoleShape, Model, loop_features};
+use csalf_model::brep::Model;
 use csalf_model::facets::{FacetOptions, model_of_triangles};
 use csalf_model::{ModelMesh, ModelOptions, SizeRules, mesh_model};
 use glam::DVec3;
-use serde_json::{Map, Value};
-use std::fmt::Write as _;
 use std::path::Path;
 
 /// Edges closer than this share of the model's diagonal are sewn.
@@ -35,14 +36,14 @@ pub fn format(path: &Path, name: Option<&str>) -> Option<&'static str> {
 }
 
 /// Reads a model, checks and sews it.
-fn read(path: &Path, format: &str) -> Result<Model, Failure> {
+pub(super) fn read(path: &Path, format: &str, keys: &ModelKeys) -> Result<Model, Failure> {
     let bytes = files::read(path)?;
     let shown = files::shown(path);
     let mut model = match format {
         #[cfg(feature = "step")]
         "step" => csalf_step::read(&bytes)
             .map_err(|e| Failure::Invalid { input: shown.clone(), defects: vec![e.to_string()] })?,
-        "stl" | "obj" | "ply" => facet_model(&bytes, format, &shown)?,
+        "stl" | "obj" | "ply" => facet_model(&bytes, format, &shown, keys)?,
         _ => {
             let message = format!("{shown}: this program was built without a reader of {format}");
             let _ = bytes;
@@ -63,12 +64,14 @@ fn read(path: &Path, format: &str) -> Result<Model, Failure> {
 }
 
 /// Reads facets and makes faces of them.
-fn facet_model(bytes: &[u8], format: &str, shown: &str) -> Result<Model, Failure> {
+fn facet_model(bytes: &[u8], format: &str, shown: &str, keys: &ModelKeys) -> Result<Model, Failure> {
     let format =
         FacetFormat::from_name(format).ok_or_else(|| Failure::Usage(format!("{shown}: {format}?")))?;
     let data = csalf_io::facets::read(format, bytes).map_err(|e| Failure::of_file(shown, &e))?;
     let points: Vec<DVec3> = data.points.into_iter().map(DVec3::from_array).collect();
-    let model = model_of_triangles(&points, &data.triangles, &FacetOptions::default());
+    let mut options = FacetOptions::default();
+    options.feature_angle = keys.feature_angle.unwrap_or(options.feature_angle);
+    let model = model_of_triangles(&points, &data.triangles, &options);
     if model.faces.is_empty() {
         let defects = vec!["there is no triangle with an area in it".to_owned()];
         return Err(Failure::Invalid { input: shown.to_owned(), defects });
@@ -80,53 +83,54 @@ fn facet_model(bytes: &[u8], format: &str, shown: &str) -> Result<Model, Failure
 ///
 /// # Errors
 /// A [`Failure`]; if some faces have no mesh, after the others are written.
-pub fn mesh(args: &MeshArgs, format: &str, level: i32) -> Result<(), Failure> {
+pub fn mesh(args: &MeshArgs, extra: &Extra, format: &str, level: i32) -> Result<(), Failure> {
     let input = args.input.clone().unwrap_or_default();
     let shown = files::shown(&input);
-    if args.order == Some(2) {
+    if args.order == Some(2) || args.centres {
         return Err(Failure::Usage(format!("{shown}: --order 2 is not for models yet")));
     }
-    let mut outputs: Vec<Output> = Vec::new();
-    for path in &args.output {
-        outputs
-            .push(Output { path: path.clone(), format: files::mesh_format(path, args.format.as_deref())? });
+    let outputs = outputs(args)?;
+    let report = args.report.as_deref();
+    if report.is_some_and(|p| p.extension().is_some_and(|e| e.eq_ignore_ascii_case("html"))) {
+        let message = "the page of --report shows plane meshes; of a model, name a .json file";
+        return Err(Failure::Usage(format!("{shown}: {message}")));
     }
-    let table = match &args.layers {
-        Some(text) => layers::parse(text, args.layer_law.as_ref(), args.first_layer)
-            .map_err(|e| Failure::Usage(format!("--layers: {e}")))?,
-        None => layers::Layers::new(),
-    };
-    logging::install(level, None);
-    let model = read(&input, format)?;
-    let mut size = args.size.map(SizeRules::of);
-    if let (Some(rules), Some(g)) = (&mut size, args.gradation) {
-        rules.gradation = g;
+    let options = options(args, extra)?;
+    let keys = extra.model.clone().unwrap_or_default();
+    let line = progress::wanted(level).then(Progress::start);
+    logging::install(level, line.as_ref().map(Progress::stages));
+    let (model, read_s) = timed(|| read(&input, format, &keys));
+    let model = model?;
+    if args.dry_run {
+        drop(line);
+        return model_info::show(&model, args.json);
     }
-    let mesher = Options {
-        method: args.method.map(Into::into).unwrap_or_default(),
-        preset: args.preset.map(Into::into).unwrap_or_default(),
-        gradation: args.gradation,
-        ..Options::default()
-    };
-    let options = ModelOptions { size, layers: table, mesher, ..ModelOptions::default() };
-    let (meshed, seconds) = timed(|| mesh_model(&model, &options));
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads.unwrap_or(0)).build();
+    let pool = pool.map_err(|e| Failure::Usage(format!("--threads: {e}")))?;
+    let options = ModelOptions { size: Some(sizes(args, &keys, &model)), ..options };
+    let (meshed, seconds) = timed(|| pool.install(|| mesh_model(&model, &options)));
+    drop(line);
     if level >= 0 {
         say::warnings(&shown, &meshed.warnings);
     }
-    if !outputs.is_empty() {
-        write(&model, &meshed, &outputs)?;
-    }
+    let (written, write_s) = timed(|| write(&model, &meshed, args, &outputs));
+    written?;
     for f in &meshed.failures {
         say::warning(&format!("{shown}: face {} has no mesh: {}", f.name, f.message));
         if let (Some(case), Some(out)) = (&f.case, outputs.first()) {
             write_case(case, &out.path)?;
         }
     }
+    let done = Done { model: &model, meshed: &meshed, outputs: &outputs, read_s, mesh_s: seconds, write_s };
+    if let Some(path) = report {
+        let text = serde_json::to_string_pretty(&done.entries(true)).unwrap_or_default();
+        files::write(path, |sink| Ok(writeln!(sink, "{text}")?))?;
+    }
     let to_stdout = outputs.iter().any(|o| files::is_standard(&o.path));
-    if args.json {
-        say::out(&json::success(entries(&model, &meshed, seconds)))?;
-    } else if level >= 0 && !to_stdout {
-        say::out(&summary(&model, &meshed, seconds, &outputs))?;
+    if args.json && meshed.failures.is_empty() {
+        say::out(&json::success(done.entries(false)))?;
+    } else if level >= 0 && !to_stdout && !args.json {
+        say::out(&done.summary())?;
     }
     match meshed.failures.len() {
         0 => Ok(()),
@@ -134,8 +138,43 @@ pub fn mesh(args: &MeshArgs, format: &str, level: i32) -> Result<(), Failure> {
     }
 }
 
+/// Sizes: the command line, the table `[model]`, the defaults.
+fn sizes(args: &MeshArgs, keys: &ModelKeys, model: &Model) -> SizeRules {
+    let mut rules = args.size.map_or_else(|| SizeRules::of_model(model), SizeRules::of);
+    rules.gradation = args.gradation.unwrap_or(rules.gradation);
+    rules.min_size = keys.min_size.unwrap_or(rules.min_size);
+    rules.per_turn = keys.per_turn.unwrap_or(rules.per_turn);
+    rules.faces.clone_from(&keys.faces);
+    rules.edges.clone_from(&keys.edges);
+    rules
+}
+
+/// The options without the sizes.
+fn options(args: &MeshArgs, extra: &Extra) -> Result<ModelOptions, Failure> {
+    let layers = match &args.layers {
+        Some(text) => layers::parse(text, args.layer_law.as_ref(), args.first_layer)
+            .map_err(|e| Failure::Usage(format!("--layers: {e}")))?,
+        None => extra.layers.clone(),
+    };
+    let mesher = Options {
+        method: args.method.map(Into::into).unwrap_or_default(),
+        preset: args.preset.map(Into::into).unwrap_or_default(),
+        gradation: args.gradation,
+        ..Options::default()
+    };
+    let keys = extra.model.clone().unwrap_or_default();
+    Ok(ModelOptions {
+        layers,
+        loop_sizes: keys.loops,
+        points: keys.points.into_iter().map(|(n, p)| (n, DVec3::from_array(p))).collect(),
+        counts: keys.counts,
+        mesher,
+        ..ModelOptions::default()
+    })
+}
+
 /// Writes the mesh with its sets, face numbers and scaled Jacobians.
-fn write(model: &Model, meshed: &ModelMesh, outputs: &[Output]) -> Result<(), Failure> {
+fn write(model: &Model, meshed: &ModelMesh, args: &MeshArgs, outputs: &[Output]) -> Result<(), Failure> {
     let (flat, heights) = meshed.mesh.split();
     let cell_data = [
         CellData { name: "face".into(), values: meshed.face_of_quad.iter().map(|f| f64::from(*f)).collect() },
@@ -148,7 +187,9 @@ fn write(model: &Model, meshed: &ModelMesh, outputs: &[Output]) -> Result<(), Fa
         cell_data: &cell_data,
         title: &model.name,
     };
-    outputs.iter().try_for_each(|o| files::write_mesh(&view, &csalf_io::WriteOptions::default(), o))
+    let element = args.element.map(Into::into).unwrap_or_default();
+    let how = csalf_io::WriteOptions { element, ..csalf_io::WriteOptions::default() };
+    outputs.iter().try_for_each(|o| files::write_mesh(&view, &how, o))
 }
 
 /// Writes the flat boundary of a failed face beside the mesh, as a job to reproduce it.
@@ -159,147 +200,4 @@ fn write_case(case: &csalf_core::Job, beside: &Path) -> Result<(), Failure> {
     let plain: String = case.name.chars().map(|c| if c.is_alphanumeric() { c } else { '_' }).collect();
     let path = beside.with_file_name(format!("{}.{plain}.json", files::stem(beside)));
     files::write(&path, |sink| csalf_io::json::write(case, &csalf_io::JobOptions::default(), sink))
-}
-
-/// Scaled Jacobian of each quad in space: the least over the corners, against the quad's mean normal.
-fn scaled_jacobians(mesh: &SurfaceMesh) -> Vec<f64> {
-    (0..mesh.quads.len())
-        .map(|q| {
-            let p = mesh.corners(QuadId(q as u32));
-            let n = (p[2] - p[0]).cross(p[3] - p[1]).normalize_or_zero();
-            let corner = |k: usize| {
-                let (a, b) = (p[(k + 1) % 4] - p[k], p[(k + 3) % 4] - p[k]);
-                a.cross(b).dot(n) / (a.length() * b.length())
-            };
-            (0..4).map(corner).fold(1.0, f64::min)
-        })
-        .collect()
-}
-
-/// Smallest and mean scaled Jacobian.
-fn quality(meshed: &ModelMesh) -> (f64, f64) {
-    let sj = scaled_jacobians(&meshed.mesh);
-    let n = sj.len().max(1) as f64;
-    (sj.iter().copied().fold(1.0, f64::min), sj.iter().sum::<f64>() / n)
-}
-
-fn summary(model: &Model, meshed: &ModelMesh, seconds: Seconds, outputs: &[Output]) -> String {
-    let (least, mean) = quality(meshed);
-    let n_faces = model.faces.len();
-    let mut s = format!(
-        "{}: {} of {n_faces} faces, {} quads, {} nodes in {:.3} s",
-        model.name,
-        n_faces - meshed.failures.len(),
-        meshed.mesh.quads.len(),
-        meshed.mesh.points.len(),
-        seconds.wall
-    );
-    let _ = write!(s, "\nscaled Jacobian: mean {mean:.4}, least {least:.4}");
-    let _ = write!(
-        s,
-        "\nsides of one quad only: {}; of three and more: {}",
-        meshed.n_free_sides, meshed.n_branching_sides
-    );
-    for l in meshed.layers.iter().filter(|l| l.made < l.asked) {
-        let _ = write!(s, "\n{}: {} of {} layers: {}", l.name, l.made, l.asked, l.why);
-    }
-    let files: Vec<String> = outputs
-        .iter()
-        .filter(|o| !files::is_standard(&o.path))
-        .map(|o| o.path.display().to_string())
-        .collect();
-    if !files.is_empty() {
-        let _ = write!(s, "\nwrote {}", files.join(", "));
-    }
-    s
-}
-
-fn entries(model: &Model, meshed: &ModelMesh, seconds: Seconds) -> Map<String, Value> {
-    let (least, mean) = quality(meshed);
-    let failures: Vec<Value> =
-        meshed.failures.iter().map(|f| serde_json::json!({ "face": f.name, "message": f.message })).collect();
-    let mut m = Map::new();
-    m.insert("name".into(), model.name.clone().into());
-    m.insert("n_faces".into(), model.faces.len().into());
-    m.insert("n_vertices".into(), meshed.mesh.points.len().into());
-    m.insert("n_quads".into(), meshed.mesh.quads.len().into());
-    m.insert("min_sj".into(), least.into());
-    m.insert("mean_sj".into(), mean.into());
-    m.insert("n_free_sides".into(), meshed.n_free_sides.into());
-    m.insert("n_branching_sides".into(), meshed.n_branching_sides.into());
-    m.insert("mesh_s".into(), seconds.wall.into());
-    m.insert("mesh_cpu_s".into(), seconds.cpu.into());
-    m.insert("failures".into(), failures.into());
-    m
-}
-
-/// Runs `csalf info` on a model.
-///
-/// # Errors
-/// A [`Failure`].
-pub fn info(args: &InfoArgs, format: &str) -> Result<(), Failure> {
-    let model = read(&args.input, format)?;
-    let holes = loop_features(&model);
-    let (lo, hi) = model.bounds().unwrap_or_default();
-    let free = model.edge_uses().iter().filter(|u| u.len() == 1).count();
-    if args.json {
-        let holes: Vec<Value> = holes
-            .iter()
-            .map(|h| {
-                let name = &model.faces[h.face].name;
-                serde_json::json!({ "name": h.name, "face": name, "diameter": h.shape.diameter(),
-                    "center": h.center.to_array() })
-            })
-            .collect();
-        let faces: Vec<Value> = model
-            .faces
-            .iter()
-            .map(|f| serde_json::json!({ "name": f.name, "kind": kind(&f.shape), "n_loops": f.loops.len() }))
-            .collect();
-        let mut m = Map::new();
-        m.insert("name".into(), model.name.clone().into());
-        m.insert("unit".into(), model.unit.clone().into());
-        m.insert("n_bodies".into(), model.bodies.len().into());
-        m.insert("n_edges".into(), model.edges.len().into());
-        m.insert("n_free_edges".into(), free.into());
-        m.insert("box".into(), serde_json::json!([lo.to_array(), hi.to_array()]));
-        m.insert("faces".into(), faces.into());
-        m.insert("holes".into(), holes.into());
-        m.insert("notes".into(), model.notes.clone().into());
-        return say::out(&json::success(m));
-    }
-    let mut s = format!(
-        "{}: {} bodies, {} faces, {} edges ({free} of one face only)",
-        model.name,
-        model.bodies.len(),
-        model.faces.len(),
-        model.edges.len()
-    );
-    let unit = if model.unit.is_empty() { "unknown" } else { &model.unit };
-    let _ = write!(s, "\nunit {unit}; box ({}, {}, {}) to ({}, {}, {})", lo.x, lo.y, lo.z, hi.x, hi.y, hi.z);
-    let mut kinds: Vec<&str> = model.faces.iter().map(|f| kind(&f.shape)).collect();
-    kinds.sort_unstable();
-    for run in kinds.chunk_by(|a, b| a == b) {
-        let _ = write!(s, "\n{:6} faces: {}", run.len(), run[0]);
-    }
-    for h in &holes {
-        let at = h.center;
-        let shape = match h.shape {
-            HoleShape::Circle { diameter } => format!("circle, diameter {diameter}"),
-            HoleShape::Slot { width, length } => format!("slot, width {width}, length {length}"),
-        };
-        let face = &model.faces[h.face].name;
-        let _ = write!(s, "\n{}: {shape}, at ({}, {}, {}), in {face}", h.name, at.x, at.y, at.z);
-    }
-    for note in &model.notes {
-        let _ = write!(s, "\nnote: {note}");
-    }
-    say::out(&s)
-}
-
-fn kind(shape: &FaceShape) -> &'static str {
-    match shape {
-        FaceShape::Surface(s, _) => s.kind(),
-        FaceShape::Facets(_) => "facets",
-    }
 }

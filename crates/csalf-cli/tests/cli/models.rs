@@ -1,0 +1,68 @@
+//! Whole models.
+
+use crate::common::{folder, run};
+
+const BLOCK: &str = include_str!("../../../csalf-step/tests/data/block.step");
+
+const JOB: &str = "input = 'block.step'\noutput = ['block.vtu']\nsize = 3\nthreads = 2\nreport = 'all.json'\njson = true\n\
+                   [layers]\n'hole<20' = 1\n\
+                   [model]\nper_turn = 20\nfaces = { top = 2.5 }\nloops = { 'hole*' = 1.5 }\n\
+                   points = { spot = [5.0, 5.0, 10.0] }\n";
+
+#[test]
+fn a_model_takes_its_options_from_a_file() {
+    let folder = folder("model_config");
+    std::fs::write(folder.join("block.step"), BLOCK).unwrap();
+    std::fs::write(folder.join("job.toml"), JOB).unwrap();
+    let ran = run(&folder, &["mesh", "--config", "job.toml"]);
+    assert_eq!(ran.code, 0, "{}", ran.err);
+    let v = ran.json();
+    assert_eq!((v["n_faces"].as_u64(), v["n_free_sides"].as_u64()), (Some(7), Some(0)));
+    assert_eq!((v["n_failures"].as_u64(), v["outputs"][0].as_str()), (Some(0), Some("block.vtu")));
+    assert!(v["mesh_cpu_s"].as_f64().is_some() && v["read_s"].as_f64().is_some());
+    let all: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(folder.join("all.json")).unwrap()).unwrap();
+    assert_eq!(all["faces"].as_array().map(Vec::len), Some(7));
+    let sum: u64 = all["faces"].as_array().unwrap().iter().map(|f| f["n_quads"].as_u64().unwrap()).sum();
+    assert_eq!(Some(sum), v["n_quads"].as_u64());
+    assert_eq!(all["layers"].as_array().map(Vec::len), Some(2), "{}", all["layers"]);
+    // The command line wins, and the number of threads does not matter.
+    let first = std::fs::read(folder.join("block.vtu")).unwrap();
+    assert_eq!(run(&folder, &["mesh", "--config", "job.toml", "--threads", "1"]).code, 0);
+    assert!(first == std::fs::read(folder.join("block.vtu")).unwrap());
+    let coarse = run(&folder, &["mesh", "--config", "job.toml", "--size", "6"]).json();
+    assert!(coarse["n_quads"].as_u64() < v["n_quads"].as_u64());
+}
+
+#[test]
+fn what_a_model_cannot_have_is_said() {
+    let folder = folder("model_wrong");
+    std::fs::write(folder.join("block.step"), BLOCK).unwrap();
+    for (args, word) in [
+        (&["mesh", "block.step"][..], "nothing to write"),
+        (&["mesh", "block.step", "-o", "a.vtu", "--report", "r.html"], ".json"),
+        (&["mesh", "block.step", "-o", "a.vtu", "--order", "2"], "--order"),
+    ] {
+        let ran = run(&folder, args);
+        assert_eq!(ran.code, 2, "{args:?}: {}", ran.err);
+        assert!(ran.err.contains(word), "{args:?}: {}", ran.err);
+    }
+    let ran = run(&folder, &["mesh", "block.step", "-o", "a.vtu", "--size", "8", "--layers", "slot*=2"]);
+    assert!(ran.code == 0 && ran.err.contains("no loop has such a name"), "{}", ran.err);
+    std::fs::remove_file(folder.join("a.vtu")).unwrap();
+    let ran = run(&folder, &["mesh", "block.step", "-o", "a.vtu", "--dry-run"]);
+    assert!(ran.code == 0 && ran.out.contains("circle, diameter 12"), "{}", ran.out);
+    assert!(!folder.join("a.vtu").exists());
+}
+
+#[test]
+fn info_lists_faces_and_holes() {
+    let folder = folder("model_info");
+    std::fs::write(folder.join("block.step"), BLOCK).unwrap();
+    let v = run(&folder, &["info", "block.step", "--json"]).json();
+    assert_eq!(v["faces"].as_array().map(Vec::len), Some(7));
+    assert_eq!(
+        (v["holes"][0]["name"].as_str(), v["holes"][0]["diameter"].as_f64()),
+        (Some("hole1"), Some(12.0))
+    );
+}
