@@ -4,6 +4,7 @@
 mod ci;
 mod compare;
 mod completions;
+mod fuzz;
 mod generated;
 mod man;
 mod paper;
@@ -55,6 +56,8 @@ enum Task {
     },
     /// Mesh many random domains and judge every mesh
     Stress(stress::StressArgs),
+    /// Read and mesh model files with faults put into them
+    FuzzModels(fuzz::FuzzArgs),
     /// Shrink a failing job (a file, or a seed of `stress`) and print it as a test
     Reduce(reduce::ReduceArgs),
     /// Mesh all fixtures and compare with their committed figures
@@ -72,6 +75,7 @@ fn main() -> ExitCode {
         Task::Schema { check } => schema::run(&root(), check),
         Task::Paper { check } => paper::run(&root(), check),
         Task::Stress(args) => stress::run(&root(), &args),
+        Task::FuzzModels(args) => fuzz::run(&root(), &args),
         Task::Reduce(args) => reduce::run(&root(), &args),
         Task::Regress(args) => regress::run(&root(), &args),
         Task::Compare(args) => compare::run(&root(), &args),
