@@ -79,9 +79,6 @@ struct Feeling {
     csc: Lanes,
 }
 
-/// 1 for corners, 0 for the lane that fills up.
-const REAL: Lanes = Lanes([1.0, 1.0, 1.0, 0.0]);
-
 impl Feeling {
     #[inline(always)]
     fn new(region: &Region, at: Point2, h: u32) -> Self {
@@ -95,14 +92,14 @@ impl Feeling {
         // Own: n - at, p - at. Next: o - n, at - n. Previous: at - p, o - p.
         let (a, b, c, d) = (m * (n - at), l * (p - at), l * (o - n), m * (o - p));
         Self {
-            x1: Lanes([a.x, c.x, -b.x, 1.0]),
-            y1: Lanes([a.y, c.y, -b.y, 0.0]),
-            x2: Lanes([b.x, -a.x, d.x, 0.0]),
-            y2: Lanes([b.y, -a.y, d.y, 1.0]),
-            f1: Lanes([-m, 0.0, l, 0.0]),
-            f2: Lanes([-l, m, 0.0, 0.0]),
-            cos: Lanes([c0, c1, c2, 0.0]),
-            csc: Lanes([s0, s1, s2, 1.0]),
+            x1: Lanes::new([a.x, c.x, -b.x, 1.0]),
+            y1: Lanes::new([a.y, c.y, -b.y, 0.0]),
+            x2: Lanes::new([b.x, -a.x, d.x, 0.0]),
+            y2: Lanes::new([b.y, -a.y, d.y, 1.0]),
+            f1: Lanes::new([-m, 0.0, l, 0.0]),
+            f2: Lanes::new([-l, m, 0.0, 0.0]),
+            cos: Lanes::new([c0, c1, c2, 0.0]),
+            csc: Lanes::new([s0, s1, s2, 1.0]),
         }
     }
     #[inline(always)]
@@ -120,6 +117,12 @@ impl Feeling {
     }
 }
 
+/// 1 for corners, 0 for the lane that fills up.
+#[inline(always)]
+fn real() -> Lanes {
+    Lanes::new([1.0, 1.0, 1.0, 0.0])
+}
+
 /// f to the power of `weights.power` - 2.
 #[inline(always)]
 fn reduced_power(f: Lanes, weights: Weights) -> Lanes {
@@ -128,17 +131,18 @@ fn reduced_power(f: Lanes, weights: Weights) -> Lanes {
     match weights.power {
         4 => square,
         8 => square * square * square,
-        power => f.map(|f| f.powi(power - 2)),
+        power => f.powi(power - 2),
     }
 }
 
 /// Value and derivatives of the energy of the corners around free vertex `v`, were it at `at`. Meaningful
 /// only if `min_d` > 0. Cost about 20 ns per quad.
-#[inline]
+#[inline(always)]
 pub(crate) fn local(region: &Region, v: u32, at: Point2, weights: Weights) -> Local {
     let lambda = weights.lambda;
     let one = Lanes::splat(1.0);
     let zero = Lanes::splat(0.0);
+    let real = real();
     let (mut value, mut gx, mut gy, mut hxx, mut hxy, mut hyy) = (zero, zero, zero, zero, zero, zero);
     let mut min_d = Lanes::splat(f64::INFINITY);
     let (mut worst, mut turn) = (zero, zero);
@@ -171,7 +175,7 @@ pub(crate) fn local(region: &Region, v: u32, at: Point2, weights: Weights) -> Lo
         let xy = y * ddx * ddy - x * (dtx * ddy + dty * ddx);
         let yy = k - 2.0 * x * dty * ddy + y * ddy * ddy;
         // Of the power of F.
-        let w = reduced_power(f, weights) * REAL;
+        let w = reduced_power(f, weights) * real;
         let m = f64::from(weights.power - 1);
         let wf = w * f;
         value = value + wf * f;
@@ -195,9 +199,10 @@ pub(crate) fn local(region: &Region, v: u32, at: Point2, weights: Weights) -> Lo
 
 /// Energy of the corners around `v`, were it at `at`, and whether their scaled Jacobians, squared with their sign, are
 /// all above `floor` (below 1). The energy is infinite if a corner is not positive.
-#[inline]
+#[inline(always)]
 pub(crate) fn trial(region: &Region, v: u32, at: Point2, weights: Weights, floor: f64) -> (f64, bool) {
     let lambda = weights.lambda;
+    let real = real();
     let mut value = Lanes::splat(0.0);
     let mut least = Lanes::splat(f64::INFINITY);
     let mut above = Lanes::splat(f64::INFINITY);
@@ -207,38 +212,39 @@ pub(crate) fn trial(region: &Region, v: u32, at: Point2, weights: Weights, floor
         let [l1, l2] = c.lengths();
         let f = ((0.5 * (1.0 - lambda)) * c.t([l1, l2]) + (0.5 * lambda) * (d * d + Lanes::splat(1.0)))
             * d.recip();
-        value = value + reduced_power(f, weights) * REAL * f * f;
+        value = value + reduced_power(f, weights) * real * f * f;
         least = least.min(d);
-        above = above.min(d * d.map(f64::abs) - floor * (l1 * l2));
+        above = above.min(d * d.abs() - floor * (l1 * l2));
     }
     (if least.least() > 0.0 { value.sum() } else { f64::INFINITY }, above.least() > 0.0)
 }
 
 /// True if the scaled Jacobians, squared with their sign, of the corners around `v` are all above `floor`, were it at
 /// `at`.
-#[inline]
+#[inline(always)]
 pub(crate) fn is_above(region: &Region, v: u32, at: Point2, floor: f64) -> bool {
     let mut above = Lanes::splat(f64::INFINITY);
     for &h in region.star(v) {
         let c = Feeling::new(region, at, h);
         let d = c.d();
         let [l1, l2] = c.lengths();
-        above = above.min(d * d.map(f64::abs) - floor * (l1 * l2));
+        above = above.min(d * d.abs() - floor * (l1 * l2));
     }
     above.least() > 0.0
 }
 
 /// Smallest scaled Jacobian of the corners around `v`, were it at `at`, squared with its sign; -1 where an
 /// edge has no length.
+#[inline(always)]
 pub(crate) fn worst_corner(region: &Region, v: u32, at: Point2) -> f64 {
     let mut worst = f64::INFINITY;
     for &h in region.star(v) {
         let c = Feeling::new(region, at, h);
         let d = c.d();
         let [l1, l2] = c.lengths();
-        let l = l1 * l2;
-        for i in 0..3 {
-            worst = worst.min(if l.0[i] > 0.0 { d.0[i] * d.0[i].abs() / l.0[i] } else { -1.0 });
+        let (d, l) = (d.to_array(), (l1 * l2).to_array());
+        for (d, l) in d.into_iter().zip(l).take(3) {
+            worst = worst.min(if l > 0.0 { d * d.abs() / l } else { -1.0 });
         }
     }
     worst

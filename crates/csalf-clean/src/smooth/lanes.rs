@@ -1,53 +1,62 @@
-//! Four numbers at a time, in plain Rust: the compiler makes vector instructions of it.
+//! Four numbers at a time. Every operation is that of IEEE 754 on each number, so the bits are the same on all machines.
 
-use std::array::from_fn;
 use std::ops::{Add, Mul, Sub};
+use wide::f64x4;
 
 /// Four numbers, of which the kernels use one per corner of a quad.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Lanes(pub(crate) [f64; 4]);
+pub(crate) struct Lanes(f64x4);
 
 impl Lanes {
     #[inline(always)]
+    pub(crate) fn new(x: [f64; 4]) -> Self {
+        Self(f64x4::from(x))
+    }
+    #[inline(always)]
     pub(crate) fn splat(x: f64) -> Self {
-        Self([x; 4])
+        Self(f64x4::splat(x))
     }
     #[inline(always)]
-    pub(crate) fn map(self, f: impl Fn(f64) -> f64) -> Self {
-        Self(from_fn(|i| f(self.0[i])))
+    pub(crate) fn to_array(self) -> [f64; 4] {
+        self.0.to_array()
     }
     #[inline(always)]
-    pub(crate) fn zip(self, o: Self, f: impl Fn(f64, f64) -> f64) -> Self {
-        Self(from_fn(|i| f(self.0[i], o.0[i])))
+    pub(crate) fn abs(self) -> Self {
+        Self(self.0.abs())
     }
     #[inline(always)]
     pub(crate) fn recip(self) -> Self {
-        self.map(|x| 1.0 / x)
+        Self(f64x4::ONE / self.0)
+    }
+    /// Each number to the power of `n`.
+    pub(crate) fn powi(self, n: i32) -> Self {
+        let [a, b, c, d] = self.to_array();
+        Self::new([a.powi(n), b.powi(n), c.powi(n), d.powi(n)])
     }
     /// The smaller of each pair; of a NaN in `self` the other.
     #[inline(always)]
     pub(crate) fn min(self, o: Self) -> Self {
-        self.zip(o, |a, b| if a < b { a } else { b })
+        Self(self.0.simd_lt(o.0).select(self.0, o.0))
     }
     /// The larger of each pair; of a NaN in `self` the other.
     #[inline(always)]
     pub(crate) fn max(self, o: Self) -> Self {
-        self.zip(o, |a, b| if a > b { a } else { b })
+        Self(self.0.simd_gt(o.0).select(self.0, o.0))
     }
     #[inline(always)]
     pub(crate) fn largest(self) -> f64 {
-        let [a, b, c, d] = self.0;
+        let [a, b, c, d] = self.to_array();
         let max = |x: f64, y: f64| if x > y { x } else { y };
         max(max(a, c), max(b, d))
     }
     #[inline(always)]
     pub(crate) fn sum(self) -> f64 {
-        let [a, b, c, d] = self.0;
+        let [a, b, c, d] = self.to_array();
         (a + c) + (b + d)
     }
     #[inline(always)]
     pub(crate) fn least(self) -> f64 {
-        let [a, b, c, d] = self.0;
+        let [a, b, c, d] = self.to_array();
         let min = |x: f64, y: f64| if x < y { x } else { y };
         min(min(a, c), min(b, d))
     }
@@ -57,7 +66,7 @@ impl Add for Lanes {
     type Output = Self;
     #[inline(always)]
     fn add(self, o: Self) -> Self {
-        self.zip(o, |a, b| a + b)
+        Self(self.0 + o.0)
     }
 }
 
@@ -65,7 +74,7 @@ impl Sub for Lanes {
     type Output = Self;
     #[inline(always)]
     fn sub(self, o: Self) -> Self {
-        self.zip(o, |a, b| a - b)
+        Self(self.0 - o.0)
     }
 }
 
@@ -73,7 +82,7 @@ impl Mul for Lanes {
     type Output = Self;
     #[inline(always)]
     fn mul(self, o: Self) -> Self {
-        self.zip(o, |a, b| a * b)
+        Self(self.0 * o.0)
     }
 }
 
@@ -81,6 +90,6 @@ impl Mul<Lanes> for f64 {
     type Output = Lanes;
     #[inline(always)]
     fn mul(self, o: Lanes) -> Lanes {
-        o.map(|x| self * x)
+        Lanes::splat(self) * o
     }
 }
