@@ -68,6 +68,8 @@ impl Few {
 #[derive(Clone, Copy, Debug)]
 struct Around {
     rim: [u32; MAX_RIM],
+    /// Number of quads of the disk at each rim vertex.
+    inside: [u8; MAX_RIM],
     n_rim: usize,
     inner: [u32; MOST],
     n_inner: usize,
@@ -88,7 +90,7 @@ impl Site<'_> {
     pub(super) fn mend(&mut self, seed: u32, cavity: &mut Cavity, near: &mut Vec<u32>) -> (usize, bool) {
         let mut found: Vec<Choice> = Vec::new();
         self.small_cavities(seed, &mut |site, few| {
-            if let Some(c) = site.best_disk(few) {
+            if let Some(c) = site.best_disk(seed, few) {
                 found.push(c);
             }
         });
@@ -212,7 +214,8 @@ impl Site<'_> {
             }
         }
         let edges = &edges[..n];
-        let mut out = Around { rim: [0; MAX_RIM], n_rim: 0, inner: [0; MOST], n_inner: 0 };
+        let mut out =
+            Around { rim: [0; MAX_RIM], inside: [0; MAX_RIM], n_rim: 0, inner: [0; MOST], n_inner: 0 };
         let mut v = edges.first()?.0;
         for _ in 0..n {
             if out.rim().contains(&v) {
@@ -226,7 +229,9 @@ impl Site<'_> {
             return None;
         }
         for v in quads.iter().flat_map(|&q| self.mesh.quad(q)) {
-            if !out.rim().contains(&v) && !out.inner().contains(&v) {
+            if let Some(i) = out.rim().iter().position(|&w| w == v) {
+                out.inside[i] += 1;
+            } else if !out.inner().contains(&v) {
                 *out.inner.get_mut(out.n_inner)? = v;
                 out.n_inner += 1;
             }
@@ -237,8 +242,8 @@ impl Site<'_> {
     }
 
     /// Step 2.
-    fn best_disk(&mut self, few: &Few) -> Option<Choice> {
-        if few.full {
+    fn best_disk(&mut self, seed: u32, few: &Few) -> Option<Choice> {
+        if few.full || self.is_alone(seed, few) {
             return None;
         }
         let around = self.small_rim(few.list())?;
@@ -248,7 +253,7 @@ impl Site<'_> {
         // cost[i][d]: potential of rim vertex i with d quads inside.
         let mut cost = [[NEVER; 8]; MAX_RIM];
         for (i, &v) in rim.iter().enumerate() {
-            let inside = few.list().iter().filter(|&&q| self.mesh.quad(q).contains(&v)).count();
+            let inside = usize::from(around.inside[i]);
             let outside = self.mesh.valence(v) - inside;
             if self.is_special(v) {
                 cost[i][inside.min(7)] = 0;
@@ -263,18 +268,34 @@ impl Site<'_> {
             }
             now += factor * weight(outside + inside, wanted);
         }
-        let mut best: Option<(u32, u32)> = None;
+        let (mut least, mut best) = (now, None);
         for (k, disk) in disks(n).iter().enumerate() {
             let mut sum: u32 = disk.inner.iter().map(|&d| INNER * weight(usize::from(d), 4)).sum();
-            for i in 0..n {
-                sum += cost[i][usize::from(disk.rim[i]).min(7)];
+            for (cost, &d) in cost[..n].iter().zip(&disk.rim) {
+                // Costs are not negative: most disks are too dear after a few vertices.
+                if sum >= least {
+                    break;
+                }
+                sum += cost[usize::from(d).min(7)];
             }
-            if sum < best.map_or(now, |b| b.0) {
-                best = Some((sum, k as u32));
+            if sum < least {
+                (least, best) = (sum, Some(k as u32));
             }
         }
-        let (sum, disk) = best?;
-        Some(Choice { gain: now - sum, disk, quads: few.quads, n_quads: few.n })
+        Some(Choice { gain: now - least, disk: best?, quads: few.quads, n_quads: few.n })
+    }
+
+    /// True if the seed lacks or has one quad too many and is the only such vertex of these quads, all of which are inside
+    /// the material: any other disk has one, too, as the sum of wanted - d over a disk is the same for all of its meshes
+    /// (handbook 4.7), so no potential can be lower.
+    fn is_alone(&mut self, seed: u32, few: &Few) -> bool {
+        if !self.is_free(seed) || self.mesh.valence(seed).abs_diff(4) != 1 || self.factor(seed) > INNER {
+            return false;
+        }
+        let quads = few.list();
+        quads.iter().all(|&q| {
+            self.mesh.quad(q).into_iter().all(|v| v == seed || self.is_free(v) && self.mesh.valence(v) == 4)
+        })
     }
 
     /// The disk with its inner vertices at the mean of their neighbours.
@@ -285,7 +306,7 @@ impl Site<'_> {
         for _ in 0..4 {
             for i in 0..points.len() {
                 let (mut sum, mut count) = (Point2::ZERO, 0.0);
-                for q in &disk.quads {
+                for q in disk.quads {
                     if let Some(k) = q.iter().position(|&v| usize::from(v) == n + i) {
                         let w = usize::from(q[(k + 1) & 3]);
                         sum += if w < n { self.mesh.point(rim[w]) } else { points[w - n] };

@@ -9,21 +9,20 @@
 //!                            o──o      o──o
 //! ```
 //!
-//! 1. [`grow`]: the quad on the first edge of a polygon has its other two corners on the polygon or new inside; up
-//!    to three smaller polygons remain. Every quadrangulation is met exactly once.
+//! 1. The quad on the first edge of a polygon has its other two corners on the polygon or new inside; up to three
+//!    smaller polygons remain. Every quadrangulation is met exactly once.
 //! 2. Those with an inner vertex of two quads are dropped.
+//! 3. That takes milliseconds, so the result is a table ([`table`]); a test makes it anew and compares.
 //!
 //! All rotations and reflections are in the list: nobody has to turn a rim. Source: handbook 4.9 (the classes up to
 //! symmetry, here re-derived) and 6.3.
+
+mod table;
 
 use std::sync::OnceLock;
 
 /// Largest rim.
 pub const MAX_RIM: usize = 10;
-/// Most inner vertices, by half the rim's length: beyond, a disk is no local change any more, and the list grows
-/// tenfold with each.
-const MOST_INNER: [usize; MAX_RIM / 2 + 1] = [0, 0, 0, 2, 2, 1];
-
 /// One quadrangulation of a rim. Names below the length of the rim are its vertices, counter-clockwise.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Disk {
@@ -32,91 +31,115 @@ pub struct Disk {
     /// Number of quads at each inner vertex.
     pub inner: Vec<u8>,
     /// The quads, counter-clockwise.
-    pub quads: Vec<[u8; 4]>,
+    pub quads: &'static [[u8; 4]],
 }
 
 /// All disks with a rim of `n` vertices; none if `n` is odd, below 4 or above [`MAX_RIM`].
 pub fn disks(n: usize) -> &'static [Disk] {
-    static TABLE: OnceLock<[Vec<Disk>; MAX_RIM / 2 + 1]> = OnceLock::new();
-    let table =
-        TABLE.get_or_init(|| std::array::from_fn(|half| if half < 2 { Vec::new() } else { make(2 * half) }));
-    if n.is_multiple_of(2) { table.get(n / 2).map_or(&[], Vec::as_slice) } else { &[] }
+    static DISKS: OnceLock<[Vec<Disk>; table::DISKS.len()]> = OnceLock::new();
+    let all = DISKS.get_or_init(|| {
+        std::array::from_fn(|k| table::DISKS[k].iter().map(|quads| Disk::new(quads, 2 * k + 4)).collect())
+    });
+    if n.is_multiple_of(2) && n >= 4 { all.get(n / 2 - 2).map_or(&[], Vec::as_slice) } else { &[] }
 }
 
-fn make(n: usize) -> Vec<Disk> {
-    let mut out = Vec::new();
-    let most = n + MOST_INNER[n / 2];
-    grow(vec![(0..n as u8).collect()], n, most, &mut Vec::new(), n, &mut out);
-    // Fewest quads first: of equals the first is taken.
-    out.sort_by_key(|d| d.quads.len());
-    out
-}
-
-/// Fills the open polygons, the last first; vertices up to `most` may be made, `next` have been.
-fn grow(
-    mut open: Vec<Vec<u8>>,
-    next: usize,
-    most: usize,
-    quads: &mut Vec<[u8; 4]>,
-    n: usize,
-    out: &mut Vec<Disk>,
-) {
-    let Some(p) = open.pop() else {
-        out.extend(finished(quads, n, next));
-        return;
-    };
-    let m = p.len();
-    let mut go = |open: Vec<Vec<u8>>, quad: [u8; 4], next: usize| {
-        quads.push(quad);
-        grow(open, next, most, quads, n, out);
-        quads.pop();
-    };
-    // What is left of the polygon if it is more than an edge.
-    let rest = |open: &[Vec<u8>], parts: &[Vec<u8>]| -> Vec<Vec<u8>> {
-        open.iter().chain(parts.iter().filter(|q| q.len() > 2)).cloned().collect()
-    };
-    let closing = |k: usize| -> Vec<u8> { p[k..].iter().copied().chain([p[0]]).collect() };
-    for j in (2..m).step_by(2) {
-        for k in (j + 1..m).step_by(2) {
-            let parts = [p[1..=j].to_vec(), p[j..=k].to_vec(), closing(k)];
-            go(rest(&open, &parts), [p[0], p[1], p[j], p[k]], next);
+impl Disk {
+    /// A disk by its quads on a rim of `n` vertices.
+    fn new(quads: &'static [[u8; 4]], n: usize) -> Self {
+        let mut out = Self { rim: [0; MAX_RIM], inner: Vec::new(), quads };
+        for &v in quads.iter().flatten() {
+            let v = usize::from(v);
+            if v < n {
+                out.rim[v] += 1;
+            } else {
+                out.inner.resize(out.inner.len().max(v + 1 - n), 0);
+                out.inner[v - n] += 1;
+            }
         }
+        out
     }
-    let new = next as u8;
-    if next < most {
-        for j in (2..m).step_by(2) {
-            let mut b = closing(j);
-            b.push(new);
-            go(rest(&open, &[p[1..=j].to_vec(), b]), [p[0], p[1], p[j], new], next + 1);
-        }
-        for k in (3..m).step_by(2) {
-            let mut a = p[1..=k].to_vec();
-            a.push(new);
-            go(rest(&open, &[a, closing(k)]), [p[0], p[1], new, p[k]], next + 1);
-        }
-    }
-    if next + 1 < most {
-        let mut a = closing(1);
-        a.extend([new + 1, new]);
-        go(rest(&open, &[a]), [p[0], p[1], new, new + 1], next + 2);
-    }
-}
-
-/// The disk, if it has no inner vertex of two quads.
-fn finished(quads: &[[u8; 4]], n: usize, n_vertices: usize) -> Option<Disk> {
-    let mut disk = Disk { inner: vec![0; n_vertices - n], quads: quads.to_vec(), ..Disk::default() };
-    for &v in quads.iter().flatten() {
-        match disk.inner.get_mut((v as usize).wrapping_sub(n)) {
-            Some(d) => *d += 1,
-            None => disk.rim[v as usize] += 1,
-        }
-    }
-    disk.inner.iter().all(|&d| d >= 3).then_some(disk)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Most inner vertices, by half the rim's length: beyond, a disk is no local change any more, and the list grows
+    /// tenfold with each.
+    const MOST_INNER: [usize; MAX_RIM / 2 + 1] = [0, 0, 0, 2, 2, 1];
+
+    fn make(n: usize) -> Vec<Vec<[u8; 4]>> {
+        let mut out = Vec::new();
+        let most = n + MOST_INNER[n / 2];
+        grow(vec![(0..n as u8).collect()], n, most, &mut Vec::new(), n, &mut out);
+        // Fewest quads first: of equals the first is taken.
+        out.sort_by_key(Vec::len);
+        out
+    }
+
+    /// Fills the open polygons, the last first; vertices up to `most` may be made, `next` have been.
+    fn grow(
+        mut open: Vec<Vec<u8>>,
+        next: usize,
+        most: usize,
+        quads: &mut Vec<[u8; 4]>,
+        n: usize,
+        out: &mut Vec<Vec<[u8; 4]>>,
+    ) {
+        let Some(p) = open.pop() else {
+            out.extend(finished(quads, n, next));
+            return;
+        };
+        let m = p.len();
+        let mut go = |open: Vec<Vec<u8>>, quad: [u8; 4], next: usize| {
+            quads.push(quad);
+            grow(open, next, most, quads, n, out);
+            quads.pop();
+        };
+        // What is left of the polygon if it is more than an edge.
+        let rest = |open: &[Vec<u8>], parts: &[Vec<u8>]| -> Vec<Vec<u8>> {
+            open.iter().chain(parts.iter().filter(|q| q.len() > 2)).cloned().collect()
+        };
+        let closing = |k: usize| -> Vec<u8> { p[k..].iter().copied().chain([p[0]]).collect() };
+        for j in (2..m).step_by(2) {
+            for k in (j + 1..m).step_by(2) {
+                let parts = [p[1..=j].to_vec(), p[j..=k].to_vec(), closing(k)];
+                go(rest(&open, &parts), [p[0], p[1], p[j], p[k]], next);
+            }
+        }
+        let new = next as u8;
+        if next < most {
+            for j in (2..m).step_by(2) {
+                let mut b = closing(j);
+                b.push(new);
+                go(rest(&open, &[p[1..=j].to_vec(), b]), [p[0], p[1], p[j], new], next + 1);
+            }
+            for k in (3..m).step_by(2) {
+                let mut a = p[1..=k].to_vec();
+                a.push(new);
+                go(rest(&open, &[a, closing(k)]), [p[0], p[1], new, p[k]], next + 1);
+            }
+        }
+        if next + 1 < most {
+            let mut a = closing(1);
+            a.extend([new + 1, new]);
+            go(rest(&open, &[a]), [p[0], p[1], new, new + 1], next + 2);
+        }
+    }
+
+    /// The quads, if there is no inner vertex of two of them.
+    fn finished(quads: &[[u8; 4]], n: usize, n_vertices: usize) -> Option<Vec<[u8; 4]>> {
+        let at = |v: usize| quads.iter().flatten().filter(|&&w| usize::from(w) == v).count();
+        (n..n_vertices).all(|v| at(v) >= 3).then(|| quads.to_vec())
+    }
+
+    #[test]
+    fn the_table_is_what_the_rules_make() {
+        for n in [4, 6, 8, 10] {
+            let made = make(n);
+            assert!(disks(n).iter().map(|d| d.quads).eq(made.iter().map(Vec::as_slice)), "{n}");
+        }
+    }
 
     #[test]
     fn counts_without_inner_vertices_are_known() {
@@ -148,7 +171,7 @@ mod tests {
                 assert_eq!(charge, 4, "{n} {i}");
                 assert!(disks(n)[..i].iter().all(|o| {
                     let key = |d: &Disk| {
-                        let mut q: Vec<_> = d.quads.clone();
+                        let mut q: Vec<_> = d.quads.to_vec();
                         q.iter_mut().for_each(|q| {
                             let k = (0..4).min_by_key(|&k| q[k]).unwrap_or(0);
                             q.rotate_left(k);
