@@ -56,19 +56,25 @@ impl QuadTopology {
         let head = |h: u32| quads[(h / 4) as usize][((h + 1) & 3) as usize];
         let tail = |h: u32| quads[(h / 4) as usize][(h & 3) as usize];
         let out = |v: VertexId| &star[star_start[v.index()] as usize..star_start[v.index() + 1] as usize];
-        // The half-edge that runs back along h: the only one that leaves its head for its tail.
-        let mut twin = vec![Self::NONE; 4 * quads.len()];
-        for_each_chunk(&mut twin, |first, chunk| {
-            for (i, slot) in chunk.iter_mut().enumerate() {
-                let h = (first + i) as u32;
-                let (a, b) = (tail(h), head(h));
-                for &g in out(b) {
-                    if head(g) == a {
-                        *slot = if *slot == Self::NONE { g } else { MANY };
+        // The half-edge that runs back along h: the only one that comes from its head into its tail. First in the order
+        // of the stars.
+        let mut back = vec![Self::NONE; star.len()];
+        for_each_star(&star_start, &mut back, |v, back| {
+            let quads_at = &star[star_start[v] as usize..star_start[v + 1] as usize];
+            for (slot, &h) in back.iter_mut().zip(quads_at) {
+                let b = head(h);
+                for &g in quads_at {
+                    let into = (g & !3) | ((g + 3) & 3);
+                    if tail(into) == b {
+                        *slot = if *slot == Self::NONE { into } else { MANY };
                     }
                 }
             }
         });
+        let mut twin = vec![Self::NONE; 4 * quads.len()];
+        for (&h, &t) in star.iter().zip(&back) {
+            twin[h as usize] = t;
+        }
         // A pair must be one both ways; a half-edge without a partner must be alone in its direction.
         let is_pair = |h: usize| twin.get(twin[h] as usize).is_some_and(|&back| back == h as u32);
         let mut on_boundary = vec![false; n_vertices];
@@ -135,13 +141,29 @@ const MANY: u32 = u32::MAX - 1;
 /// Entries of one parallel task; arrays up to this size are done in place.
 const CHUNK: usize = 1 << 16;
 
-/// Calls `f` with the index of the first entry of every chunk, and the chunk.
-fn for_each_chunk(list: &mut [u32], f: impl Fn(usize, &mut [u32]) + Sync) {
-    if list.len() <= CHUNK {
-        f(0, list);
-    } else {
-        list.par_chunks_mut(CHUNK).enumerate().for_each(|(c, chunk)| f(c * CHUNK, chunk));
+/// Calls `f` with every vertex and the part of `list` that belongs to its star.
+fn for_each_star(star_start: &[u32], list: &mut [u32], f: impl Fn(usize, &mut [u32]) + Sync) {
+    let all = |first: usize, starts: &[u32], mut list: &mut [u32]| {
+        for (i, w) in starts.windows(2).enumerate() {
+            let (star, rest) = std::mem::take(&mut list).split_at_mut((w[1] - w[0]) as usize);
+            f(first + i, star);
+            list = rest;
+        }
+    };
+    let n = star_start.len() - 1;
+    if n <= CHUNK {
+        all(0, star_start, list);
+        return;
     }
+    let mut rest = list;
+    let mut tasks = Vec::with_capacity(n / CHUNK + 1);
+    for first in (0..n).step_by(CHUNK) {
+        let starts = &star_start[first..=(first + CHUNK).min(n)];
+        let (part, after) = rest.split_at_mut((starts[starts.len() - 1] - starts[0]) as usize);
+        tasks.push((first, starts, part));
+        rest = after;
+    }
+    tasks.into_par_iter().for_each(|(first, starts, part)| all(first, starts, part));
 }
 
 /// The indices below `n` that satisfy `f`, ascending.
