@@ -49,6 +49,8 @@ pub struct Contour {
     /// corner, 2 on a side. Empty: the mesher decides by angles. If given, the nodes will be moved when the
     /// contour is filled: its angles do not count, and the quads of the patch need not be convex.
     pub wanted: Vec<u8>,
+    /// With `wanted`: patches with more irregular vertices inside than this are of no use. `None`: any number is good.
+    pub most_irregular: Option<u32>,
 }
 
 impl Contour {
@@ -60,6 +62,7 @@ impl Contour {
             sizes: vec![h; points.len()],
             flags: vec![NodeFlags::GEOMETRY; points.len()],
             wanted: Vec::new(),
+            most_irregular: None,
         }
     }
 

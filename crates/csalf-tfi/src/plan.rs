@@ -46,6 +46,9 @@ const GAP: f64 = 0.15;
 /// Most chord solutions that are forecast per pattern and rotation.
 const MAX_SOLUTIONS: usize = 24;
 
+/// Drafts that most contours have at most: room for them is made at once.
+const DRAFTS: usize = 48;
+
 /// A way to fill the contour, with its forecast.
 #[derive(Clone, Debug)]
 pub struct Plan {
@@ -208,7 +211,7 @@ fn drafts(
     best: &Choices,
     extra: bool,
 ) -> Vec<Draft> {
-    let mut found = Vec::new();
+    let mut found = Vec::with_capacity(DRAFTS);
     for i in best.iter().flatten() {
         if i.n > 0 {
             match_patterns(task, rules, i, extra, &mut found);
@@ -308,6 +311,9 @@ fn match_patterns(
         if rules.mode == TfiMode::Paper && pattern.n_irregular > 0 {
             continue;
         }
+        if task.contour.most_irregular.is_some_and(|most| pattern.n_irregular > most as usize) {
+            continue;
+        }
         // Patterns with a 3-5 pair more than the number of corners asks for come second.
         if (pattern.n_irregular > i.n.abs_diff(4).max(if i.n == 4 { 2 } else { 0 })) != extra {
             continue;
@@ -324,6 +330,7 @@ fn match_patterns(
 /// The disk pattern has no corners: its centre block may be turned and have any proportion.
 fn disks(task: &RegionTask<'_>, rules: &TfiRules, i: &Interpretation, found: &mut Vec<Draft>) {
     let n = task.contour.len() as u32;
+    let most = task.contour.most_irregular.unwrap_or(u32::MAX);
     if n < 4 || rules.mode == TfiMode::Paper {
         return;
     }
@@ -351,7 +358,7 @@ fn disks(task: &RegionTask<'_>, rules: &TfiRules, i: &Interpretation, found: &mu
             }
         }
     }
-    for pattern in patterns(0) {
+    for pattern in patterns(0).iter().filter(|p| p.n_irregular <= most as usize) {
         for &(cost, a, o) in best.iter().filter(|b| b.1 > 0 && b.0 < 2.0) {
             for m in [1, rings.div_ceil(2), rings] {
                 let first = found.len();

@@ -118,7 +118,9 @@ impl Site<'_> {
         loop {
             match self.attempt(cavity, near, &mut tries) {
                 Outcome::Taken => return (tries.tried, true),
-                Outcome::Unfilled if self.push_sides(cavity, near, &mut tries) => return (tries.tried, true),
+                Outcome::Unfilled if self.push_sides(cavity, near, &mut tries) => {
+                    return (tries.tried, true);
+                }
                 _ => {}
             }
             if tries.are_spent() {
@@ -246,7 +248,7 @@ impl Site<'_> {
         let potential = self.potential(cavity);
         let samples: Vec<Point2> = cavity.rim.iter().map(|&v| self.mesh.point(v)).collect();
         let size = LinearSize::new(self.task.size, &samples);
-        let filled = self.fill(cavity, &size).filter(|patch| {
+        let filled = self.fill(cavity, potential, &size).filter(|patch| {
             let n_rim = cavity.rim.len();
             let mut valence = vec![0usize; n_rim + patch.points.len()];
             patch.quads.iter().flatten().for_each(|&v| valence[v as usize] += 1);
@@ -344,7 +346,7 @@ impl Site<'_> {
         true
     }
 
-    fn fill(&self, cavity: &Cavity, size: &LinearSize) -> Option<Patch> {
+    fn fill(&self, cavity: &Cavity, potential: u32, size: &LinearSize) -> Option<Patch> {
         let mut contour = Contour::default();
         let mut hint = Hint::default();
         for &v in &cavity.rim {
@@ -353,6 +355,8 @@ impl Site<'_> {
             contour.push(p, v, size.h(p, &mut hint), flags);
         }
         contour.wanted.clone_from(&cavity.wanted);
+        // An irregular vertex inside counts this much or more, and the sum must fall.
+        contour.most_irregular = Some(potential.saturating_sub(1) / (INNER * weight(5, 4)));
         let task = RegionTask { contour: &contour, size, tolerance: self.task.tolerance };
         self.task.mesher.mesh(&task).ok().filter(|p| p.children.is_empty())
     }
