@@ -412,7 +412,7 @@ impl<'a> Recursion<'a> {
         for (k, split) in found.iter().enumerate() {
             // Not a finalist: no need to look at the second child.
             let bar = if k < FINALISTS { f64::INFINITY } else { third(&order) };
-            let glance = self.both(&contour, split, bar, &mut |r, child, _| r.glance(child));
+            let glance = self.both(&contour, split, GLANCE_BASE, bar, &mut |r, child, _| r.glance(child));
             order.push((glance, k as u32));
         }
         order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
@@ -421,7 +421,7 @@ impl<'a> Recursion<'a> {
             let split = &found[k as usize];
             let bar = best.map_or(f64::INFINITY, |b| b.0);
             let mut forecast = [Forecast::Unknown; 2];
-            let score = self.both(&contour, split, bar, &mut |r, child, side| {
+            let score = self.both(&contour, split, 0.0, bar, &mut |r, child, side| {
                 let (score, f) = r.outlook(child);
                 forecast[side] = f;
                 score
@@ -435,22 +435,31 @@ impl<'a> Recursion<'a> {
         best.map(|b| b.1)
     }
 
-    /// Φ of a split and what `judge` thinks of its children (left 0, right 1), by their share of nodes; stops at the
-    /// first child if that reaches `bar`.
+    /// Φ of a split and what `judge` thinks of its children (left 0, right 1), by their share of nodes. `judge` thinks no
+    /// better than `least` of a child of more than four nodes: as soon as the sum must reach `bar`, no more is judged.
     fn both(
         &mut self,
         contour: &[u32],
         split: &Split,
+        least: f64,
         bar: f64,
         judge: &mut dyn FnMut(&mut Self, &[u32], usize) -> f64,
     ) -> f64 {
+        let total = (contour.len() + 2 * split.segments) as f64;
+        let n_left = split.k - split.j + split.segments;
+        let n_right = contour.len() - (split.k - split.j) + split.segments;
+        let share = [n_left, n_right].map(|n| n as f64 / total);
+        let base = [n_left, n_right].map(|n| if n > 4 { least * n as f64 / total } else { 0.0 });
+        // What is known, and what the children that are not judged yet will add at least.
+        let (mut score, mut rest) = (split.phi, base[0] + base[1]);
+        if score + rest >= bar {
+            return score + rest;
+        }
         let mark = self.nodes.points.len();
         let (mut line, mut child) = (std::mem::take(&mut self.line), std::mem::take(&mut self.child));
         place(&self.view, split, &mut self.nodes, self.size, &mut self.hint, &mut line);
-        let total = (contour.len() + 2 * split.segments) as f64;
-        let mut score = split.phi;
         for side in 0..2 {
-            if score >= bar {
+            if score + rest >= bar {
                 break;
             }
             child.clear();
@@ -459,11 +468,13 @@ impl<'a> Recursion<'a> {
             } else {
                 right_child(contour, split, &line, &mut child);
             }
-            score += child.len() as f64 / total * judge(self, &child, side);
+            debug_assert_eq!(child.len(), if side == 0 { n_left } else { n_right }, "the line has two sides");
+            score += share[side] * judge(self, &child, side);
+            rest = if side == 0 { base[1] } else { 0.0 };
         }
         self.nodes.truncate(mark);
         (self.line, self.child) = (line, child);
-        score
+        score + rest
     }
 
     /// A guess of [`Self::outlook`].
@@ -557,10 +568,10 @@ fn load(into: &mut Contour, contour: &[u32], nodes: &Nodes) {
     into.ids.clear();
     into.sizes.clear();
     into.flags.clear();
-    for &v in contour {
-        let i = v as usize;
-        into.push(nodes.points[i], v, nodes.sizes[i], nodes.flags[i]);
-    }
+    into.points.extend(contour.iter().map(|&v| nodes.points[v as usize]));
+    into.ids.extend_from_slice(contour);
+    into.sizes.extend(contour.iter().map(|&v| nodes.sizes[v as usize]));
+    into.flags.extend(contour.iter().map(|&v| nodes.flags[v as usize]));
 }
 
 /// C_L = j .. k and the line backwards.

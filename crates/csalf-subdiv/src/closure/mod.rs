@@ -122,7 +122,7 @@ pub fn can_reach(rim: &[Point2], wanted: &[f64], least: f64) -> bool {
             part < 2.0 && (part * FRAC_PI_2).sin() >= least
         })
     };
-    if all.iter().filter(allowed).any(|p| smooth(p, rim).sj >= least) {
+    if all.iter().filter(allowed).any(|p| smooth_above(p, rim, least.next_down()).sj >= least) {
         return true;
     }
     all.iter().filter(allowed).filter(|p| p.n_inner > 0).take(N_RESCUES).any(|p| {
@@ -215,20 +215,28 @@ fn rescue(cost: &[f64; MAX_PLACEMENTS], all: &'static [Placement], rim: &[Point2
 
 /// Inner nodes at the limit of Laplace sweeps.
 fn smooth(placement: &'static Placement, rim: &[Point2]) -> Found {
+    smooth_above(placement, rim, f64::NEG_INFINITY)
+}
+
+/// As [`smooth`]; the SJ need not be exact if it is `bar` or less.
+fn smooth_above(placement: &'static Placement, rim: &[Point2], bar: f64) -> Found {
     let mut inner = [Point2::ZERO; MAX_INNER];
     // Relative to the first node, to keep the digits far from the origin.
     let o = rim[0];
     for (q, w) in inner.iter_mut().zip(&placement.weight).take(placement.n_inner) {
         *q = o + rim.iter().zip(w).map(|(&r, &w)| w * (r - o)).sum::<Point2>();
     }
-    let sj = min_sj(placement, rim, &inner);
+    let sj = min_sj(placement, rim, &inner, bar);
     Found { placement, inner, sj }
 }
 
-/// Smallest scaled Jacobian of the quads; -1 if a side has no length.
-fn min_sj(p: &Placement, rim: &[Point2], inner: &[Point2; MAX_INNER]) -> f64 {
+/// Smallest scaled Jacobian of the quads; -1 if a side has no length. If it is `bar` or less, any number up to `bar`.
+fn min_sj(p: &Placement, rim: &[Point2], inner: &[Point2; MAX_INNER], bar: f64) -> f64 {
     let mut least = 1.0f64;
     for q in &p.quads[..p.n_quads] {
+        if least <= bar {
+            return least;
+        }
         let v = q.map(|v| p.at(rim, inner, v));
         let e: [Point2; 4] = std::array::from_fn(|k| v[(k + 1) & 3] - v[k]);
         let l = e.map(|e| e.length());
@@ -272,7 +280,7 @@ fn improve_to(found: &mut Found, rim: &[Point2], enough: f64) {
             let mut d = axis * step;
             for _ in 0..8 {
                 trial[k] = start + d;
-                let sj = min_sj(p, rim, &trial);
+                let sj = min_sj(p, rim, &trial, best.0);
                 if sj > best.0 {
                     best = (sj, trial[k]);
                 }
