@@ -22,7 +22,7 @@ mod sweep;
 mod tests;
 mod untangle;
 
-use csalf_geom::VertexId;
+use csalf_geom::{Point2, QuadId, VertexId};
 use csalf_mesh::{QuadMesh, QuadTopology, quality::FLAT};
 use csalf_sizemap::SizeField;
 use energy::Weights;
@@ -129,11 +129,24 @@ pub fn smooth_boxed(
     options: &SmoothOptions,
 ) -> SmoothReport {
     let seeds = bad_quads(mesh, options.threshold);
+    smooth_from(&seeds, mesh, topology, fixed, size, boxes, options)
+}
+
+/// [`smooth_boxed`] of the quads below the threshold, which are known.
+fn smooth_from(
+    seeds: &[u32],
+    mesh: &mut QuadMesh,
+    topology: &QuadTopology,
+    fixed: &[bool],
+    size: &dyn SizeField,
+    boxes: Boxes<'_>,
+    options: &SmoothOptions,
+) -> SmoothReport {
     let mut report = SmoothReport { n_seeds: seeds.len(), min_sj: (1.0, 1.0), ..Default::default() };
     if seeds.is_empty() {
         return report;
     }
-    let free = grow(mesh, topology, fixed, &seeds, options.rings);
+    let free = grow(mesh, topology, fixed, seeds, options.rings);
     report.n_free = free.len();
     if free.is_empty() {
         return report;
@@ -174,8 +187,14 @@ pub fn finish(
     size: &dyn SizeField,
     options: &SmoothOptions,
 ) -> FinishReport {
-    let mut bad = bad_quads(mesh, FLAT);
+    // One look at every quad for both thresholds.
+    let seeds = bad_quads(mesh, options.threshold.max(FLAT));
+    let mut bad: Vec<u32> = seeds.iter().copied().filter(|&q| is_bad(mesh, q, FLAT)).collect();
     let mut report = FinishReport::default();
+    if bad.is_empty() && options.threshold >= FLAT {
+        report.smooth = smooth_from(&seeds, mesh, topology, fixed, size, &|_| None, options);
+        return report;
+    }
     if !bad.is_empty() {
         // Often a few sweeps suffice; they never make a positive corner worse than the floor.
         let n_bad_before = bad.len();
@@ -206,18 +225,25 @@ pub fn finish(
     report
 }
 
+/// True if quad `q` has a corner of a scaled Jacobian of at most `threshold`.
+fn is_bad(mesh: &QuadMesh, q: u32, threshold: f64) -> bool {
+    has_corner_below(&mesh.corners(QuadId(q)), threshold)
+}
+
+#[inline]
+fn has_corner_below(p: &[Point2; 4], threshold: f64) -> bool {
+    let e = [p[1] - p[0], p[2] - p[1], p[3] - p[2], p[0] - p[3]];
+    let l = e.map(|e| e.length_squared());
+    let signed_square = threshold * threshold.abs();
+    (0..4).any(|k| {
+        let j = e[(k + 3) & 3].perp_dot(e[k]);
+        j * j.abs() <= signed_square * (l[(k + 3) & 3] * l[k])
+    })
+}
+
 /// The quads with a corner of a scaled Jacobian of at most `threshold`, ascending. Cost about 10 ns per quad.
 fn bad_quads(mesh: &QuadMesh, threshold: f64) -> Vec<u32> {
-    let signed_square = threshold * threshold.abs();
-    let bad = |vs: &[VertexId; 4]| {
-        let p = vs.map(|v| mesh.points[v.index()]);
-        let e = [p[1] - p[0], p[2] - p[1], p[3] - p[2], p[0] - p[3]];
-        let l = e.map(|e| e.length_squared());
-        (0..4).any(|k| {
-            let j = e[(k + 3) & 3].perp_dot(e[k]);
-            j * j.abs() <= signed_square * (l[(k + 3) & 3] * l[k])
-        })
-    };
+    let bad = |vs: &[VertexId; 4]| has_corner_below(&vs.map(|v| mesh.points[v.index()]), threshold);
     let all = |from: usize, quads: &[[VertexId; 4]]| -> Vec<u32> {
         quads.iter().enumerate().filter(|(_, q)| bad(q)).map(|(i, _)| (from + i) as u32).collect()
     };
