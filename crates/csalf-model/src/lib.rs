@@ -18,9 +18,11 @@ pub mod names;
 pub mod plan;
 mod report;
 pub mod shapes;
+pub mod shard;
+mod stitch;
 
 pub use brep::{Model, check_and_snap, sew};
 pub use csalf_surface::{LayerLaw, LayerSpec};
-pub use mesh::{ModelOptions, NamedLoop, mesh_model, named_loops};
+pub use mesh::{ModelOptions, NamedLoop, Prepared, mesh_model, named_loops};
 pub use plan::SizeRules;
 pub use report::{FaceFailure, LoopLayers, ModelMesh};

@@ -5,15 +5,16 @@
 //! ```
 
 use crate::brep::{LoopFeature, Model, loop_features};
-use crate::face::{Context, Hard, MeshedFace, NodeName, NodeTable, assign, mesh_one};
+use crate::face::{Context, Hard, MeshedFace, NodeTable, assign, mesh_one};
 use crate::names::loop_matches;
 use crate::plan::{EdgeNodes, Limits, Plan, SizeRules, plan};
-use crate::report::{FaceFailure, LoopLayers, ModelMesh};
-use csalf_core::Options;
-use csalf_geom::{QuadId, VertexId};
+use crate::report::{FaceFailure, ModelMesh};
+use crate::stitch::Frame;
+use csalf_core::{Options, Watch};
 use csalf_surface::LayerSpec;
 use glam::DVec3;
 use rayon::prelude::*;
+use std::borrow::Cow;
 
 /// Options of one run.
 #[derive(Clone, Debug, Default)]
@@ -86,71 +87,161 @@ pub fn named_loops(model: &Model) -> Vec<NamedLoop> {
 /// Meshes a model. Faces that fail are reported and never lose the others. Deterministic, whatever the number of threads.
 /// Cost: linear in the number of quads, but for the pairing of odd faces.
 pub fn mesh_model(model: &Model, options: &ModelOptions) -> ModelMesh {
-    let diagonal = model.diagonal();
-    let rules = options.size.clone().unwrap_or_else(|| SizeRules::of_model(model));
-    let mut out = ModelMesh { warnings: model.notes.clone(), ..ModelMesh::default() };
-    if !(rules.size > 0.0 && rules.size.is_finite() && diagonal.is_finite()) || model.faces.is_empty() {
-        out.warnings.push("the model has no face, or its size is not a positive number".into());
-        return out;
+    Prepared::new(Cow::Borrowed(model), options).mesh()
+}
+
+/// A model whose edges are discretised: from here on each face is on its own, on one machine or on many (see
+/// [`crate::shard`]).
+#[derive(Debug)]
+pub struct Prepared<'a> {
+    pub(crate) model: Cow<'a, Model>,
+    pub(crate) options: ModelOptions,
+    pub(crate) rules: SizeRules,
+    pub(crate) plan: Plan,
+    /// What the mesh is put together by.
+    pub(crate) frame: Frame,
+    /// Layers asked for, per face and loop.
+    layers: Vec<Vec<Option<LayerSpec>>>,
+    /// Hard points per face.
+    hard: Vec<Vec<Hard>>,
+    tolerance: f64,
+}
+
+impl<'a> Prepared<'a> {
+    /// Sizes, counts and nodes of all edges, and which hard point belongs to which face.
+    pub fn new(model: Cow<'a, Model>, options: &ModelOptions) -> Self {
+        let diagonal = model.diagonal();
+        let rules = options.size.clone().unwrap_or_else(|| SizeRules::of_model(&model));
+        let mut prepared = Self {
+            frame: Frame::of(&model, &options.points),
+            model,
+            options: options.clone(),
+            rules,
+            plan: Plan::default(),
+            layers: Vec::new(),
+            hard: Vec::new(),
+            tolerance: NEAR * diagonal,
+        };
+        if prepared.is_hopeless(diagonal) {
+            return prepared;
+        }
+        prepared.frame.able = true;
+        let model = &*prepared.model;
+        let loops = named_loops(model);
+        say_unmatched(model, options, &prepared.rules, &loops, &mut prepared.frame.warnings);
+        prepared.layers = layers_by_loop(model, options, &loops);
+        let limits = limits(model, options, &prepared.layers, &loops);
+        prepared.plan = {
+            let _span = tracing::info_span!("csalf.edges", n_edges = model.edges.len()).entered();
+            plan(model, &prepared.rules, &limits)
+        };
+        let warnings = &mut prepared.frame.warnings;
+        say_plan(model, &prepared.plan, warnings);
+        prepared.frame.table = number_nodes(model, &prepared.plan.edges);
+        prepared.frame.name_loops(&loops, &prepared.layers);
+        prepared.place_points(diagonal);
+        prepared
     }
-    if diagonal > MOST_SIZES * rules.size {
+
+    /// True if there is nothing to mesh; the frame then has the reason.
+    fn is_hopeless(&mut self, diagonal: f64) -> bool {
+        let size = self.rules.size;
+        if !(size > 0.0 && size.is_finite() && diagonal.is_finite()) || self.model.faces.is_empty() {
+            let why = "the model has no face, or its size is not a positive number";
+            self.frame.warnings.push(why.into());
+            return true;
+        }
+        if diagonal <= MOST_SIZES * size {
+            return false;
+        }
         let message =
-            format!("the model is {:.1e} sizes long: the size is too small for it", diagonal / rules.size);
+            format!("the model is {:.1e} sizes long: the size is too small for it", diagonal / size);
         let fail = |(face, f): (usize, &crate::brep::Face)| FaceFailure {
             face,
             name: f.name.clone(),
             message: message.clone(),
             case: None,
         };
-        out.failures = model.faces.iter().enumerate().map(fail).collect();
-        return out;
+        self.frame.failures = self.model.faces.iter().enumerate().map(fail).collect();
+        true
     }
-    let loops = named_loops(model);
-    say_unmatched(model, options, &rules, &loops, &mut out);
-    let layers = layers_by_loop(model, options, &loops);
-    let limits = limits(model, options, &layers, &loops);
-    let plan = {
-        let _span = tracing::info_span!("csalf.edges", n_edges = model.edges.len()).entered();
-        plan(model, &rules, &limits)
-    };
-    say_plan(model, &plan, &mut out);
-    let table = number_nodes(model, &plan.edges);
-    let cx = Context {
-        model,
-        plan: &plan,
-        table: &table,
-        rules: &rules,
-        options: &options.mesher,
-        layers: &layers,
-        tolerance: NEAR * diagonal,
-    };
-    let given: Vec<DVec3> = options.points.iter().map(|p| p.1).collect();
-    let (hard, distances) = assign(&cx, &given);
-    for ((name, _), d) in options.points.iter().zip(&distances) {
-        if !d.is_finite() {
-            out.warnings.push(format!("no face has the point {name} above or below it; it was left out"));
-        } else if *d > FAR * diagonal {
-            out.warnings.push(format!("the point {name} was moved by {d:.3e} to its face"));
+
+    /// Gives each hard point to its face.
+    fn place_points(&mut self, diagonal: f64) {
+        let given: Vec<DVec3> = self.options.points.iter().map(|p| p.1).collect();
+        let (hard, distances) = assign(&self.context(), &given);
+        self.hard = hard;
+        for ((name, _), d) in self.options.points.iter().zip(&distances) {
+            let words = if !d.is_finite() {
+                format!("no face has the point {name} above or below it; it was left out")
+            } else if *d > FAR * diagonal {
+                format!("the point {name} was moved by {d:.3e} to its face")
+            } else {
+                continue;
+            };
+            self.frame.warnings.push(words);
         }
     }
-    let faces: Vec<Result<MeshedFace, Box<FaceFailure>>> = {
-        let _span = tracing::info_span!("csalf.faces", n_faces = model.faces.len()).entered();
-        (0..model.faces.len())
-            .into_par_iter()
-            .map(|f| {
-                let meshed = guarded(&cx, f, &hard[f]);
-                tracing::debug!(target: "csalf::face", face = f, failed = meshed.is_err());
-                meshed
-            })
-            .collect()
-    };
-    let names: Vec<&str> = options.points.iter().map(|p| p.0.as_str()).collect();
-    stitch(model, &table, &Names { loops: &loops, layers: &layers, points: &names }, faces, &mut out);
-    out
+
+    fn context(&self) -> Context<'_> {
+        Context {
+            model: &self.model,
+            plan: &self.plan,
+            table: &self.frame.table,
+            rules: &self.rules,
+            options: &self.options.mesher,
+            layers: &self.layers,
+            tolerance: self.tolerance,
+        }
+    }
+
+    /// Meshes these faces, in parallel; the results are in the order of `faces`. Faces that begin after `watch` said so
+    /// are failures.
+    pub(crate) fn mesh_faces(&self, faces: &[usize], watch: &dyn Watch) -> Vec<FaceResult> {
+        let _span = tracing::info_span!("csalf.faces", n_faces = faces.len()).entered();
+        let cx = self.context();
+        let none = Vec::new();
+        let one = |&f: &usize| {
+            if watch.cancelled() {
+                let (name, message) = (self.model.faces[f].name.clone(), "cancelled".to_owned());
+                return Err(Box::new(FaceFailure { face: f, name, message, case: None }));
+            }
+            let meshed = guarded(&cx, f, self.hard.get(f).unwrap_or(&none));
+            tracing::debug!(target: "csalf::face", face = f, failed = meshed.is_err());
+            meshed
+        };
+        faces.par_iter().map(one).collect()
+    }
+
+    /// Number of faces.
+    pub fn n_faces(&self) -> usize {
+        self.model.faces.len()
+    }
+
+    /// The model.
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// Meshes all faces.
+    pub fn mesh(&self) -> ModelMesh {
+        self.mesh_watched(&())
+    }
+
+    /// The same; `watch` is asked before each face whether to go on. A run that was cancelled has failures.
+    pub fn mesh_watched(&self, watch: &dyn Watch) -> ModelMesh {
+        let n = if self.frame.able { self.model.faces.len() } else { 0 };
+        let faces: Vec<usize> = (0..n).collect();
+        let meshed = self.mesh_faces(&faces, watch);
+        self.frame.clone().stitch(faces.into_iter().zip(meshed))
+    }
 }
 
+/// What came of a face.
+pub(crate) type FaceResult = Result<MeshedFace, Box<FaceFailure>>;
+
 /// Meshes a face; a fault of ours that stops its work is a failure of this face, not of the others.
-fn guarded(cx: &Context<'_>, f: usize, hard: &[Hard]) -> Result<MeshedFace, Box<FaceFailure>> {
+fn guarded(cx: &Context<'_>, f: usize, hard: &[Hard]) -> FaceResult {
     let work = std::panic::AssertUnwindSafe(|| mesh_one(cx, f, hard));
     std::panic::catch_unwind(work).unwrap_or_else(|_| {
         let name = cx.model.faces[f].name.clone();
@@ -183,14 +274,14 @@ fn say_unmatched(
     options: &ModelOptions,
     rules: &SizeRules,
     loops: &[NamedLoop],
-    out: &mut ModelMesh,
+    warnings: &mut Vec<String>,
 ) {
     let named = |p: &str| loops.iter().any(|l| is_meant(model, p, l));
     let edge = |p: &str| model.edges.iter().any(|e| crate::names::matches(p, &e.name));
     let face = |p: &str| model.faces.iter().any(|f| crate::names::matches(p, &f.name));
     let mut say = |what: &str, kind: &str, pattern: &str, found: bool| {
         if !found {
-            out.warnings.push(format!("{what} for '{pattern}': no {kind} has such a name"));
+            warnings.push(format!("{what} for '{pattern}': no {kind} has such a name"));
         }
     };
     options.layers.iter().for_each(|(p, _)| say("layers", "loop", p, named(p)));
@@ -238,7 +329,7 @@ fn limits(
 }
 
 /// What the plan could not do, in words.
-fn say_plan(model: &Model, plan: &Plan, out: &mut ModelMesh) {
+fn say_plan(model: &Model, plan: &Plan, warnings: &mut Vec<String>) {
     for bad in &plan.infeasible {
         let names = |list: &[usize], name: &dyn Fn(usize) -> String| {
             const SHOWN: usize = 5;
@@ -255,7 +346,7 @@ fn say_plan(model: &Model, plan: &Plan, out: &mut ModelMesh) {
         } else {
             format!("one segment more or less on one of its fixed edges would cure it: {edges}")
         };
-        out.warnings.push(format!("the number of segments around {faces} is odd; {cure}"));
+        warnings.push(format!("the number of segments around {faces} is odd; {cure}"));
     }
 }
 
@@ -284,135 +375,4 @@ fn number_nodes(model: &Model, edges: &[EdgeNodes]) -> NodeTable {
         table.of_edge.push(numbers);
     }
     table
-}
-
-/// What the sets are named after.
-struct Names<'a> {
-    loops: &'a [NamedLoop],
-    /// Layers asked for by the caller, per face and loop.
-    layers: &'a [Vec<Option<LayerSpec>>],
-    points: &'a [&'a str],
-}
-
-/// One mesh of all faces, by the names of their nodes.
-fn stitch(
-    model: &Model,
-    table: &NodeTable,
-    given: &Names<'_>,
-    faces: Vec<Result<MeshedFace, Box<FaceFailure>>>,
-    out: &mut ModelMesh,
-) {
-    // A node of an edge that only failed faces use is left out.
-    let mut used = vec![false; table.points.len()];
-    for m in faces.iter().flatten() {
-        for n in m.quads.iter().flatten() {
-            if let NodeName::Model(k) = n {
-                used[*k as usize] = true;
-            }
-        }
-    }
-    let mut number = vec![u32::MAX; table.points.len()];
-    for (k, p) in table.points.iter().enumerate().filter(|(k, _)| used[*k]) {
-        number[k] = out.mesh.points.len() as u32;
-        out.mesh.points.push(*p);
-    }
-    let mut loop_at = 0;
-    for (f, result) in faces.into_iter().enumerate() {
-        let face = &model.faces[f];
-        let names = &given.loops[loop_at..loop_at + face.loops.len()];
-        loop_at += face.loops.len();
-        let m = match result {
-            Ok(m) => m,
-            Err(failure) => {
-                out.failures.push(*failure);
-                continue;
-            }
-        };
-        let first_quad = out.mesh.quads.len();
-        let own = own_numbers(&m, &mut out.mesh.points);
-        out.mesh.quads.extend(m.quads.iter().map(|q| {
-            q.map(|n| match n {
-                NodeName::Model(k) => VertexId(number[k as usize]),
-                NodeName::Own(k) => VertexId(own[k as usize]),
-            })
-        }));
-        let n = out.mesh.quads.len();
-        out.face_of_quad.extend(std::iter::repeat_n(f as u32, n - first_quad));
-        let id = |q: usize| QuadId(q as u32);
-        out.sets.quads.push((face.name.clone(), (first_quad..n).map(id).collect()));
-        let first_set = out.sets.quads.len();
-        for (k, layer, quads) in &m.rings {
-            let Some(l) = names.get(*k) else { continue };
-            let quads = quads.iter().map(|q| id(first_quad + *q as usize)).collect();
-            add_quads(&mut out.sets.quads, first_set, format!("{}_layer{layer}", l.name), quads);
-        }
-        let by_user = |k: usize| given.layers[f].get(k).is_some_and(Option::is_some);
-        for (k, asked, made, why) in m.layers.into_iter().filter(|l| by_user(l.0)) {
-            let name = names.get(k).map_or_else(|| format!("{} loop {k}", face.name), |l| l.name.clone());
-            out.layers.push(LoopLayers { name, asked, made, why });
-        }
-        for &(point, k) in &m.hard {
-            let node = own.get(k as usize).copied().filter(|v| *v != u32::MAX);
-            let name = given.points.get(point);
-            out.sets.nodes.extend(name.zip(node).map(|(n, v)| ((*n).to_owned(), vec![VertexId(v)])));
-        }
-        out.warnings.extend(m.warnings);
-    }
-    for (e, nodes) in model.edges.iter().zip(&table.of_edge) {
-        let ids: Vec<u32> = nodes.iter().map(|&k| number[k as usize]).collect();
-        let whole = ids.len() > 1 && ids.iter().all(|&k| k != u32::MAX);
-        if whole {
-            let sides = ids.windows(2).map(|w| [VertexId(w[0]), VertexId(w[1])]).collect();
-            out.sets.edges.push((e.name.clone(), sides));
-        }
-    }
-    count_sides(out);
-}
-
-/// Numbers for the face's own nodes that its quads use; the others are left out.
-fn own_numbers(m: &MeshedFace, points: &mut Vec<DVec3>) -> Vec<u32> {
-    let mut used = vec![false; m.own.len()];
-    for n in m.quads.iter().flatten() {
-        if let NodeName::Own(k) = n {
-            used[*k as usize] = true;
-        }
-    }
-    m.own
-        .iter()
-        .zip(used)
-        .map(|(p, used)| {
-            if !used {
-                return u32::MAX;
-            }
-            points.push(*p);
-            points.len() as u32 - 1
-        })
-        .collect()
-}
-
-/// Adds quads to the set of this name from the `first` on; the two loops of a seam have one name.
-fn add_quads(sets: &mut Vec<(String, Vec<QuadId>)>, first: usize, name: String, quads: Vec<QuadId>) {
-    match sets[first..].iter_mut().find(|s| s.0 == name) {
-        Some(set) => set.1.extend(quads),
-        None => sets.push((name, quads)),
-    }
-}
-
-/// Counts sides of one quad and of three and more.
-fn count_sides(out: &mut ModelMesh) {
-    let mut sides: Vec<[u32; 2]> = Vec::with_capacity(4 * out.mesh.quads.len());
-    for q in &out.mesh.quads {
-        for k in 0..4 {
-            let (a, b) = (q[k].0, q[(k + 1) % 4].0);
-            sides.push([a.min(b), a.max(b)]);
-        }
-    }
-    sides.sort_unstable();
-    for run in sides.chunk_by(|a, b| a == b) {
-        match run.len() {
-            1 => out.n_free_sides += 1,
-            2 => {}
-            _ => out.n_branching_sides += 1,
-        }
-    }
 }

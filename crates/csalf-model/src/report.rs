@@ -2,9 +2,10 @@
 
 use csalf_core::Job;
 use csalf_mesh::{NamedSets, SurfaceMesh};
+use serde::{Deserialize, Serialize};
 
 /// A face without a mesh.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct FaceFailure {
     /// Which face.
     pub face: usize,
@@ -13,6 +14,7 @@ pub struct FaceFailure {
     /// Why, in words.
     pub message: String,
     /// Its flat boundary as a job of the planar mesher, if it came so far.
+    #[serde(with = "crate::shard::case")]
     pub case: Option<Job>,
 }
 

@@ -14,6 +14,7 @@ use csalf_core::{Job, Options};
 use csalf_sizemap::SizeSpec;
 use csalf_surface::{FaceInput, FaceLoop, FaceMesh, FaceSize, Facets, LayerSpec, mesh_face};
 use glam::{DVec2, DVec3};
+use serde::{Deserialize, Serialize};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -35,7 +36,7 @@ pub(crate) struct Context<'a> {
 }
 
 /// The mesh of one face.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct MeshedFace {
     /// Positions of the face's own nodes.
     pub(crate) own: Vec<DVec3>,

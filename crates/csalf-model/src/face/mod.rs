@@ -17,9 +17,10 @@ pub(crate) use mesh::{Context, MeshedFace, mesh_one};
 pub(crate) use points::{Hard, assign};
 
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 /// A node on the boundary of a face: of the model, or made for the face alone (on a cut).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub(crate) enum NodeName {
     /// Node of a vertex or edge, by its number in the whole mesh.
     Model(u32),
@@ -28,7 +29,7 @@ pub(crate) enum NodeName {
 }
 
 /// Nodes of all edges, by number.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct NodeTable {
     /// Positions.
     pub(crate) points: Vec<DVec3>,
