@@ -73,6 +73,10 @@ formats! {
         Su2 = "su2", ["su2"];
         /// OpenFOAM case, one cell thick: a folder beside the file. Written only.
         Foam = "foam", ["foam"];
+        /// VTKHDF unstructured grid. Written only.
+        VtkHdf = "vtkhdf", ["vtkhdf", "hdf"];
+        /// ISM-v2 of HOHQMesh, for spectral elements. Written only.
+        Ism = "ism", ["mesh"];
         /// Picture, vectors. Written only.
         Svg = "svg", ["svg"];
         /// Picture, pixels. Written only.

@@ -8,7 +8,7 @@
 //! | [`dxf`], [`svg`] | outlines of curves | |
 //! | [`msh`] | meshes, and jobs from line elements | meshes (4.1 and 2.2) |
 //! | [`vtu`], [`inp`], [`bdf`], [`obj`] | meshes | meshes |
-//! | [`exodus`], [`foam`], [`su2`], [`unv`] | | meshes |
+//! | [`exodus`], [`foam`], [`ism`], [`su2`], [`unv`], [`vtkhdf`] | | meshes |
 //! | [`facets`] | triangles in space | |
 //! | [`hex`] | | swept hexahedra |
 //! | [`picture`] | | SVG and PNG pictures |
@@ -32,6 +32,7 @@ mod graph;
 pub mod hex;
 pub mod inp;
 pub mod input;
+pub mod ism;
 pub mod json;
 pub mod mesh_data;
 pub mod mesh_io;
@@ -49,6 +50,7 @@ pub mod svg;
 mod text;
 pub mod topojson;
 pub mod unv;
+pub mod vtkhdf;
 pub mod vtu;
 
 pub use error::{IoError, Place};

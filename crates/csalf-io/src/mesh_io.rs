@@ -1,8 +1,8 @@
 //! One door to all mesh formats.
 
 use crate::{
-    IoError, MeshData, MeshFormat, MeshView, MidNodes, Place, bdf, exodus, inp, msh, obj, picture, su2, unv,
-    vtu,
+    IoError, MeshData, MeshFormat, MeshView, MidNodes, Place, bdf, exodus, inp, ism, msh, obj, picture, su2,
+    unv, vtkhdf, vtu,
 };
 use std::io::Write;
 use std::path::Path;
@@ -34,7 +34,7 @@ pub fn write_mesh_with(
     how: &WriteOptions<'_>,
     w: &mut dyn Write,
 ) -> Result<(), IoError> {
-    let flat = [MeshFormat::Exodus, MeshFormat::Su2, MeshFormat::Foam];
+    let flat = [MeshFormat::Exodus, MeshFormat::Su2, MeshFormat::Foam, MeshFormat::Ism];
     if !out.heights.is_empty() && flat.contains(&format) {
         let message = "meshes in space are not written in this format";
         return Err(IoError::unsupported(format.name(), Place::Whole, message));
@@ -46,6 +46,8 @@ pub fn write_mesh_with(
         MeshFormat::Inp => inp::write_with(out, how, w),
         MeshFormat::Bdf => bdf::write_with(out, how.mid, w),
         MeshFormat::Exodus => exodus::write(out, how.mid, w),
+        MeshFormat::VtkHdf => vtkhdf::write(out, how.mid, w),
+        MeshFormat::Ism => ism::write(out, how.mid, w),
         MeshFormat::Obj | MeshFormat::Unv | MeshFormat::Su2 if how.mid.is_some() => {
             Err(IoError::unsupported(format.name(), Place::Whole, "the format has no quadratic elements"))
         }
@@ -72,7 +74,12 @@ pub fn read_mesh_bytes(format: MeshFormat, bytes: &[u8]) -> Result<MeshData, IoE
         MeshFormat::Inp => inp::read(bytes),
         MeshFormat::Bdf => bdf::read(bytes),
         MeshFormat::Obj => obj::read(bytes),
-        MeshFormat::Exodus | MeshFormat::Unv | MeshFormat::Su2 | MeshFormat::Foam => {
+        MeshFormat::Exodus
+        | MeshFormat::Unv
+        | MeshFormat::Su2
+        | MeshFormat::Foam
+        | MeshFormat::VtkHdf
+        | MeshFormat::Ism => {
             Err(IoError::unsupported(format.name(), Place::Whole, "this format is written, but not read"))
         }
         MeshFormat::Svg | MeshFormat::Png => {

@@ -134,6 +134,11 @@ impl MidNodes {
         VertexId::new(self.n_vertices + self.side(a, b))
     }
 
+    /// Where the middle of a side lies; `None` if there is no such side.
+    pub fn point(&self, a: VertexId, b: VertexId) -> Option<Point2> {
+        self.sides.binary_search(&key(a, b)).ok().map(|k| self.points[k])
+    }
+
     /// All nodes of quad number `i` with corners `q`: four corners, four middles, and the centre if there is one.
     pub fn quad(&self, i: usize, q: &[VertexId; 4]) -> Vec<VertexId> {
         let middles = (0..4).map(|k| self.of(q[k], q[(k + 1) & 3]));

@@ -10,8 +10,17 @@ mod svg;
 #[cfg(test)]
 mod tests;
 
-pub use png::write_png;
-pub use svg::write_svg;
+pub use png::{write_png, write_png_by};
+pub use svg::{write_svg, write_svg_by};
+
+/// Values that the colours show in place of the scaled Jacobian.
+#[derive(Clone, Copy, Debug)]
+pub struct Shade<'a> {
+    /// One per element: quads first, then triangles; NaN is grey.
+    pub values: &'a [f64],
+    /// The values that get the colour of the worst and of the best; what lies beyond gets the same.
+    pub limits: [f64; 2],
+}
 
 /// Name of the format in errors.
 pub(crate) const FORMAT: &str = "picture";

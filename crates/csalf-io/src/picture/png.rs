@@ -1,7 +1,7 @@
 //! Draws the scene as PNG. No fonts: the labels of the bar are drawn with strokes.
 
-use super::FORMAT;
 use super::scene::{Rgb, Scene};
+use super::{FORMAT, Shade};
 use crate::{IoError, MeshView, Place};
 use std::io::Write;
 use tiny_skia::{Color, FillRule, LineCap, Paint, Path, PathBuilder, Pixmap, Rect, Stroke, Transform};
@@ -21,6 +21,12 @@ const fn strokes(c: char) -> &'static [&'static [(u8, u8)]] {
     match c {
         '0' => &[&[(0, 0), (4, 0), (4, 6), (0, 6), (0, 0)]],
         '1' => &[&[(1, 1), (2, 0), (2, 6)]],
+        '3' => &[&[(0, 0), (4, 0), (4, 6), (0, 6)], &[(0, 3), (4, 3)]],
+        '4' => &[&[(0, 0), (0, 3), (4, 3)], &[(4, 0), (4, 6)]],
+        '6' => &[&[(4, 0), (0, 0), (0, 6), (4, 6), (4, 3), (0, 3)]],
+        '8' => &[&[(0, 0), (4, 0), (4, 6), (0, 6), (0, 0)], &[(0, 3), (4, 3)]],
+        '9' => &[&[(4, 3), (0, 3), (0, 0), (4, 0), (4, 6), (0, 6)]],
+        '-' => &[&[(1, 3), (3, 3)]],
         '2' => &[&[(0, 0), (4, 0), (4, 3), (0, 3), (0, 6), (4, 6)]],
         '5' => &[&[(4, 0), (0, 0), (0, 3), (4, 3), (4, 6), (0, 6)]],
         '7' => &[&[(0, 0), (4, 0), (2, 6)]],
@@ -51,7 +57,18 @@ fn label(text: &str, at: [f64; 2]) -> Option<Path> {
 /// # Errors
 /// [`IoError::Write`]; [`IoError::Unsupported`] if the mesh is broken.
 pub fn write_png(out: &MeshView<'_>, w: &mut dyn Write) -> Result<(), IoError> {
-    let s = Scene::new(out)?;
+    draw(&Scene::new(out, None)?, w)
+}
+
+/// Writes a picture of a mesh, coloured by `shade`.
+///
+/// # Errors
+/// As [`write_png`]; [`IoError::Unsupported`] also if there is not one value per element.
+pub fn write_png_by(out: &MeshView<'_>, shade: &Shade<'_>, w: &mut dyn Write) -> Result<(), IoError> {
+    draw(&Scene::new(out, Some(shade))?, w)
+}
+
+fn draw(s: &Scene, w: &mut dyn Write) -> Result<(), IoError> {
     let no_picture = || IoError::unsupported(FORMAT, Place::Whole, "the picture does not fit into memory");
     let mut map = Pixmap::new(s.width.ceil() as u32, s.height.ceil() as u32).ok_or_else(no_picture)?;
     map.fill(Color::WHITE);

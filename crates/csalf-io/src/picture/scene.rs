@@ -1,6 +1,6 @@
 //! What is drawn: polygons by colour, lines, dots, the colour bar; in pixels, y downward.
 
-use super::FORMAT;
+use super::{FORMAT, Shade};
 use crate::{IoError, MeshView, Place};
 use csalf_geom::Point2;
 use csalf_mesh::{QuadTopology, quality::scaled_jacobian};
@@ -50,7 +50,7 @@ pub(super) struct Scene {
     /// Colour bar: boxes (x, y, width, height) and their colours.
     pub bar: Vec<([f64; 4], Rgb)>,
     /// Labels of the bar: left end, middle of the line.
-    pub labels: Vec<([f64; 2], &'static str)>,
+    pub labels: Vec<([f64; 2], String)>,
 }
 
 fn colour(stops: &[Rgb; 4], sj: f64) -> Rgb {
@@ -83,9 +83,23 @@ fn colour_of_bin(bin: usize) -> Rgb {
     }
 }
 
+/// Index of the colour of a value between the limits; one that is no number is grey.
+fn bin_of(value: f64, shade: &Shade<'_>) -> usize {
+    let [worst, best] = shade.limits;
+    let t = (value - worst) / (best - worst);
+    if t.is_nan() { 1 + 3 * STEPS } else { 1 + ((t.clamp(0.0, 1.0) * STEPS as f64) as usize).min(STEPS - 1) }
+}
+
+/// A number of three digits, as short as it can be.
+fn short(x: f64) -> String {
+    let digits = if x == 0.0 { 0 } else { (2 - x.abs().log10().floor() as i32).clamp(0, 9) as usize };
+    let text = format!("{x:.digits$}");
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
 impl Scene {
-    /// Lays a mesh out.
-    pub(super) fn new(out: &MeshView<'_>) -> Result<Self, IoError> {
+    /// Lays a mesh out, coloured by the scaled Jacobian or by `shade`.
+    pub(super) fn new(out: &MeshView<'_>, shade: Option<&Shade<'_>>) -> Result<Self, IoError> {
         let (mesh, sets) = (out.mesh, out.sets);
         let n = mesh.points.len();
         let bad = |m: &str| IoError::unsupported(FORMAT, Place::Whole, m);
@@ -108,6 +122,9 @@ impl Scene {
         let pixel = |p: Point2| [MARGIN + (p.x - lo.x) * scale, top + (hi.y - p.y) * scale];
         let at = |v: csalf_geom::VertexId| pixel(mesh.points[v.index()]);
 
+        if shade.is_some_and(|s| s.values.len() != mesh.quads.len() + mesh.triangles.len()) {
+            return Err(bad("the colours need one value per element"));
+        }
         let mut range = vec![0u8; mesh.quads.len()];
         for (k, (_, quads)) in sets.quads.iter().enumerate() {
             for q in quads.iter().filter(|q| q.index() < mesh.quads.len()) {
@@ -116,13 +133,18 @@ impl Scene {
         }
         let mut bins: Vec<Vec<Corners>> = vec![Vec::new(); 2 + 3 * STEPS];
         let mut drawn = 0.0;
-        for (q, &r) in mesh.quads.iter().zip(&range) {
+        for (k, (q, &r)) in mesh.quads.iter().zip(&range).enumerate() {
             let p = q.map(|v| mesh.points[v.index()]);
-            bins[bin(scaled_jacobian::value(&p), r.into())].push(q.map(at));
+            let bin = match shade {
+                Some(s) => bin_of(s.values[k], s),
+                None => bin(scaled_jacobian::value(&p), r.into()),
+            };
+            bins[bin].push(q.map(at));
             drawn += p[0].distance(p[1]) * scale;
         }
-        for t in &mesh.triangles {
-            bins[1 + 3 * STEPS].push([at(t[0]), at(t[1]), at(t[2]), at(t[2])]);
+        for (k, t) in mesh.triangles.iter().enumerate() {
+            let bin = shade.map_or(1 + 3 * STEPS, |s| bin_of(s.values[mesh.quads.len() + k], s));
+            bins[bin].push([at(t[0]), at(t[1]), at(t[2]), at(t[2])]);
         }
         let fills = bins.into_iter().enumerate().filter(|b| !b.1.is_empty());
         let fills = fills.map(|(k, polygons)| (colour_of_bin(k), polygons)).collect();
@@ -150,11 +172,11 @@ impl Scene {
             dot_radius: (mean / 6.0).clamp(1.0, 3.5),
             ..Self::default()
         };
-        scene.add_bar(MARGIN + size.x + 0.75 * MARGIN, height);
+        scene.add_bar(MARGIN + size.x + 0.75 * MARGIN, height, shade);
         Ok(scene)
     }
 
-    fn add_bar(&mut self, x: f64, height: f64) {
+    fn add_bar(&mut self, x: f64, height: f64, shade: Option<&Shade<'_>>) {
         let (h, w) = ((height * 0.6).min(320.0), 14.0);
         let top = MARGIN + 0.5 * (height - h);
         let step = h / STEPS as f64;
@@ -162,9 +184,12 @@ impl Scene {
             let y = top + (STEPS - 1 - k) as f64 * step;
             self.bar.push(([x, y, w, step], colour_of_bin(bin((k as f64 + 0.5) / STEPS as f64, 0))));
         }
-        self.bar.push(([x, top + h, w, step], BAD));
-        for (sj, label) in [(1.0, "1"), (0.75, "0.75"), (0.5, "0.5"), (0.25, "0.25"), (0.0, "0")] {
-            self.labels.push(([x + w + 4.0, top + h * (1.0 - sj)], label));
+        if shade.is_none() {
+            self.bar.push(([x, top + h, w, step], BAD));
+        }
+        let [low, high] = shade.map_or([0.0, 1.0], |s| s.limits);
+        for share in [1.0, 0.75, 0.5, 0.25, 0.0] {
+            self.labels.push(([x + w + 4.0, top + h * (1.0 - share)], short(low + share * (high - low))));
         }
     }
 }

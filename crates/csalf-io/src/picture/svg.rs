@@ -1,5 +1,6 @@
 //! Draws the scene as SVG: one path per colour.
 
+use super::Shade;
 use super::scene::{Rgb, Scene};
 use crate::{IoError, MeshView};
 use std::io::Write;
@@ -18,14 +19,25 @@ fn hex([r, g, b]: Rgb) -> String {
 /// # Errors
 /// [`IoError::Write`]; [`IoError::Unsupported`](IoError) if the mesh is broken.
 pub fn write_svg(out: &MeshView<'_>, w: &mut dyn Write) -> Result<(), IoError> {
-    let s = Scene::new(out)?;
+    draw(&Scene::new(out, None)?, out.title, w)
+}
+
+/// Writes a picture of a mesh, coloured by `shade`.
+///
+/// # Errors
+/// As [`write_svg`]; [`IoError::Unsupported`] also if there is not one value per element.
+pub fn write_svg_by(out: &MeshView<'_>, shade: &Shade<'_>, w: &mut dyn Write) -> Result<(), IoError> {
+    draw(&Scene::new(out, Some(shade))?, out.title, w)
+}
+
+fn draw(s: &Scene, title: &str, w: &mut dyn Write) -> Result<(), IoError> {
     let (width, height) = (s.width.ceil(), s.height.ceil());
     writeln!(
         w,
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
          viewBox=\"0 0 {width} {height}\">"
     )?;
-    let title = crate::text::one_line(out.title).replace('&', "&amp;").replace('<', "&lt;");
+    let title = crate::text::one_line(title).replace('&', "&amp;").replace('<', "&lt;");
     writeln!(w, "<title>{title}</title>\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>")?;
     let stroke = if s.line_width > 0.0 {
         format!("stroke=\"#333\" stroke-width=\"{}\" stroke-linejoin=\"round\"", px(s.line_width))

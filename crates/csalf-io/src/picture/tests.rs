@@ -51,3 +51,29 @@ fn broken_meshes_are_refused() {
     let empty = MeshView { mesh: &QuadMesh::default(), heights: &[], sets: &sets, cell_data: &[], title: "" };
     assert!(write_png(&empty, &mut Vec::new()).is_ok());
 }
+
+#[test]
+fn colours_follow_other_values() {
+    let (mesh, sets) = two_quads();
+    let view = MeshView { mesh: &mesh, heights: &[], sets: &sets, cell_data: &[], title: "" };
+    let draw = |values: &[f64], limits: [f64; 2]| {
+        let mut text = Vec::new();
+        write_svg_by(&view, &Shade { values, limits }, &mut text).map(|()| String::from_utf8(text).unwrap())
+    };
+    // Smaller is better here: the limits are turned round.
+    let text = draw(&[2.0, 6.0], [6.0, 2.0]).unwrap();
+    let fills: Vec<&str> =
+        text.lines().filter(|l| l.starts_with("<path fill=\"#")).map(|l| &l[12..19]).collect();
+    let swapped = draw(&[6.0, 2.0], [2.0, 6.0]).unwrap();
+    assert_eq!(fills.len(), 2);
+    assert!(fills.iter().all(|f| swapped.contains(f)));
+    for label in [">6<", ">5<", ">4<", ">3<", ">2<"] {
+        assert!(text.contains(label), "{label}");
+    }
+    assert!(draw(&[f64::NAN, 2.0], [6.0, 2.0]).unwrap().contains("#bebec8"));
+    assert!(draw(&[1.0, 1.0], [1.0, 1.0]).is_ok());
+    assert!(draw(&[1.0], [0.0, 1.0]).is_err());
+    let mut bytes = Vec::new();
+    write_png_by(&view, &Shade { values: &[0.5, 1.5], limits: [0.0, 2.0] }, &mut bytes).unwrap();
+    assert!(bytes.starts_with(b"\x89PNG"));
+}
