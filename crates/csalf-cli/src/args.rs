@@ -52,6 +52,10 @@ pub enum Command {
     Demo(DemoArgs),
     /// Sweep a planar mesh along a vector or a path into hexahedra
     Sweep(SweepArgs),
+    /// Put the shards of a model (`csalf mesh --shard`) together
+    Stitch(StitchArgs),
+    /// Draw a mesh, coloured by a metric
+    Plot(PlotArgs),
     /// Tell what is in an outline, a mesh or a model, without meshing
     Info(InfoArgs),
     /// Draw, mesh and look at outlines in the browser
@@ -117,8 +121,11 @@ pub struct MeshArgs {
     /// Elements of .inp files [default: shell]
     #[arg(long, value_enum, value_name = "KIND")]
     pub element: Option<ElementArg>,
+    /// Of a model: mesh only part I of N of its faces, into a shard for `csalf stitch`
+    #[arg(long, value_name = "I/N", value_parser = parse_part)]
+    pub shard: Option<(u32, u32)>,
     /// Format of all outputs, in place of their extensions: vtu, msh41, msh22, inp, bdf, obj, exodus, unv, su2,
-    /// foam, svg, png
+    /// foam, vtkhdf, ism, svg, png
     #[arg(long, value_name = "FORMAT")]
     pub format: Option<String>,
     /// Format of the input, in place of its extension
@@ -136,6 +143,57 @@ pub struct MeshArgs {
     /// Read and check everything, say what would be done, write nothing
     #[arg(long)]
     pub dry_run: bool,
+}
+
+/// Reads `I/N`, 1 <= I <= N.
+fn parse_part(text: &str) -> Result<(u32, u32), String> {
+    let most = csalf_model::shard::MOST_PARTS;
+    let part = text.split_once('/').and_then(|(i, n)| Some((i.trim().parse().ok()?, n.trim().parse().ok()?)));
+    match part {
+        Some((i, n)) if 1 <= i && i <= n && n <= most => Ok((i, n)),
+        _ => Err(format!("expected I/N, such as 3/16, with I from 1 to N and N at most {most}")),
+    }
+}
+
+/// Arguments of `csalf stitch`.
+#[derive(clap::Args, Clone, Debug)]
+pub struct StitchArgs {
+    /// The shards, all of one run, in any order
+    #[arg(value_hint = ValueHint::FilePath, required = true)]
+    pub shards: Vec<PathBuf>,
+    /// Mesh or picture to write, format by extension; `-` is standard output; may be given several times
+    #[arg(short, long, value_name = "OUT", value_hint = ValueHint::FilePath, action = ArgAction::Append)]
+    pub output: Vec<PathBuf>,
+    /// Elements of .inp files [default: shell]
+    #[arg(long, value_enum, value_name = "KIND")]
+    pub element: Option<ElementArg>,
+    /// Format of all outputs, in place of their extensions
+    #[arg(long, value_name = "FORMAT")]
+    pub format: Option<String>,
+    /// Print one JSON object as the last line on standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `csalf plot`.
+#[derive(clap::Args, Clone, Debug)]
+pub struct PlotArgs {
+    /// Mesh to draw: .vtu, .msh, .inp, .bdf, .obj; `-` is standard input
+    #[arg(value_hint = ValueHint::FilePath)]
+    pub mesh: PathBuf,
+    /// Picture to write: .svg or .png; `-` is standard output
+    #[arg(short, long, value_name = "OUT", value_hint = ValueHint::FilePath)]
+    pub output: PathBuf,
+    /// What the colours show: scaled_jacobian, shape, skew, aspect_ratio, jacobian_ratio, min_angle, max_angle, area, or
+    /// values that the file has
+    #[arg(long, value_name = "METRIC", default_value = "scaled_jacobian")]
+    pub by: String,
+    /// Format of the mesh, in place of its extension
+    #[arg(long, value_name = "FORMAT")]
+    pub input_format: Option<String>,
+    /// Format of the picture, in place of its extension: svg, png
+    #[arg(long, value_name = "FORMAT")]
+    pub format: Option<String>,
 }
 
 /// Arguments of `csalf check`.

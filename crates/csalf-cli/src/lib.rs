@@ -16,6 +16,7 @@ pub mod files;
 pub mod json;
 pub mod layers;
 pub mod logging;
+pub mod model_file;
 pub mod page;
 pub mod progress;
 pub mod say;

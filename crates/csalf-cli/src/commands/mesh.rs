@@ -75,6 +75,9 @@ fn merged(args: &MeshArgs) -> Result<(MeshArgs, Extra), Failure> {
 /// Settles the formats.
 fn settle(args: MeshArgs, extra: Extra) -> Result<Plan, Failure> {
     let mut table = extra.layers;
+    if args.shard.is_some() {
+        return Err(Failure::Usage("--shard is for models".into()));
+    }
     if extra.model.is_some() {
         return Err(Failure::Usage("[model] in the configuration is for models, not for outlines".into()));
     }

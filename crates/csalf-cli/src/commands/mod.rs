@@ -9,6 +9,8 @@ pub mod mesh;
 pub mod model;
 mod model_info;
 mod model_report;
+pub mod plot;
+pub mod stitch;
 #[cfg(feature = "studio")]
 pub mod studio;
 pub mod sweep;
@@ -27,6 +29,8 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         Command::Check(a) => check::run(a, level),
         Command::Demo(a) => demo::run(a, level),
         Command::Sweep(a) => sweep::run(a, level),
+        Command::Stitch(a) => stitch::run(a, level),
+        Command::Plot(a) => plot::run(a),
         Command::Info(a) => info::run(a, level),
         #[cfg(feature = "studio")]
         Command::Studio(a) => studio::run(a, level),

@@ -2,81 +2,27 @@
 
 use super::mesh::outputs;
 use super::model_info;
-use super::model_report::{Done, scaled_jacobians};
-use crate::args::MeshArgs;
+use super::model_report::Done;
+use crate::args::{ElementArg, MeshArgs};
 use crate::config::{Extra, ModelKeys};
 use crate::exit::Failure;
 use crate::files::{self, Output};
+use crate::metrics::scaled_jacobians;
+pub use crate::model_file::format;
 use crate::progress::{self, Progress};
 use crate::timing::timed;
-use crate::{json, layers, logging, say};
+use crate::{json, layers, logging, model_file, say};
 use csalf_core::Options;
-use csalf_io::facets::FacetFormat;
 use csalf_io::{CellData, MeshView};
 use csalf_model::brep::Model;
-use csalf_model::facets::{FacetOptions, model_of_triangles};
 use csalf_model::{ModelMesh, ModelOptions, SizeRules, mesh_model};
 use glam::DVec3;
 use std::path::Path;
 
-/// Edges closer than this share of the model's diagonal are sewn.
-const SEWING: f64 = 1e-6;
-
-/// The format of a model file, by the name given or the extension; `None` if it is no model.
-pub fn format(path: &Path, name: Option<&str>) -> Option<&'static str> {
-    let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
-    let name = name.map(str::to_ascii_lowercase).or(extension)?;
-    match name.as_str() {
-        "step" | "stp" | "p21" => Some("step"),
-        "stl" => Some("stl"),
-        "obj" => Some("obj"),
-        "ply" => Some("ply"),
-        _ => None,
-    }
-}
-
 /// Reads a model, checks and sews it.
 pub(super) fn read(path: &Path, format: &str, keys: &ModelKeys) -> Result<Model, Failure> {
     let bytes = files::read(path)?;
-    let shown = files::shown(path);
-    let mut model = match format {
-        #[cfg(feature = "step")]
-        "step" => csalf_step::read(&bytes)
-            .map_err(|e| Failure::Invalid { input: shown.clone(), defects: vec![e.to_string()] })?,
-        "stl" | "obj" | "ply" => facet_model(&bytes, format, &shown, keys)?,
-        _ => {
-            let message = format!("{shown}: this program was built without a reader of {format}");
-            let _ = bytes;
-            return Err(Failure::Usage(message));
-        }
-    };
-    if model.name.trim().is_empty() {
-        model.name = files::stem(path);
-    }
-    let tolerance = SEWING * model.diagonal();
-    let n_sewn = csalf_model::sew(&mut model, tolerance);
-    if n_sewn > 0 {
-        model.notes.push(format!("{n_sewn} edges were sewn to others at the same place"));
-    }
-    let report = csalf_model::check_and_snap(&mut model);
-    model.notes.extend(report.messages);
-    Ok(model)
-}
-
-/// Reads facets and makes faces of them.
-fn facet_model(bytes: &[u8], format: &str, shown: &str, keys: &ModelKeys) -> Result<Model, Failure> {
-    let format =
-        FacetFormat::from_name(format).ok_or_else(|| Failure::Usage(format!("{shown}: {format}?")))?;
-    let data = csalf_io::facets::read(format, bytes).map_err(|e| Failure::of_file(shown, &e))?;
-    let points: Vec<DVec3> = data.points.into_iter().map(DVec3::from_array).collect();
-    let mut options = FacetOptions::default();
-    options.feature_angle = keys.feature_angle.unwrap_or(options.feature_angle);
-    let model = model_of_triangles(&points, &data.triangles, &options);
-    if model.faces.is_empty() {
-        let defects = vec!["there is no triangle with an area in it".to_owned()];
-        return Err(Failure::Invalid { input: shown.to_owned(), defects });
-    }
-    Ok(model)
+    model_file::read(&bytes, format, &files::shown(path), &files::stem(path), keys.feature_angle)
 }
 
 /// Runs `csalf mesh` on a model.
@@ -89,7 +35,7 @@ pub fn mesh(args: &MeshArgs, extra: &Extra, format: &str, level: i32) -> Result<
     if args.order == Some(2) || args.centres {
         return Err(Failure::Usage(format!("{shown}: --order 2 is not for models yet")));
     }
-    let outputs = outputs(args)?;
+    let outputs = if args.shard.is_some() { Vec::new() } else { outputs(args)? };
     let report = args.report.as_deref();
     if report.is_some_and(|p| p.extension().is_some_and(|e| e.eq_ignore_ascii_case("html"))) {
         let message = "the page of --report shows plane meshes; of a model, name a .json file";
@@ -108,19 +54,19 @@ pub fn mesh(args: &MeshArgs, extra: &Extra, format: &str, level: i32) -> Result<
     let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads.unwrap_or(0)).build();
     let pool = pool.map_err(|e| Failure::Usage(format!("--threads: {e}")))?;
     let options = ModelOptions { size: Some(sizes(args, &keys, &model)), ..options };
+    if let Some(part) = args.shard {
+        let written = pool.install(|| super::stitch::write_shard(&model, &options, part, args, level));
+        drop(line);
+        return written;
+    }
     let (meshed, seconds) = timed(|| pool.install(|| mesh_model(&model, &options)));
     drop(line);
     if level >= 0 {
         say::warnings(&shown, &meshed.warnings);
     }
-    let (written, write_s) = timed(|| write(&model, &meshed, args, &outputs));
+    let (written, write_s) = timed(|| write(&model.name, &meshed, args.element, &outputs));
     written?;
-    for f in &meshed.failures {
-        say::warning(&format!("{shown}: face {} has no mesh: {}", f.name, f.message));
-        if let (Some(case), Some(out)) = (&f.case, outputs.first()) {
-            write_case(case, &out.path)?;
-        }
-    }
+    say_failures(&shown, &meshed, outputs.first())?;
     let done = Done { model: &model, meshed: &meshed, outputs: &outputs, read_s, mesh_s: seconds, write_s };
     if let Some(path) = report {
         let text = serde_json::to_string_pretty(&done.entries(true)).unwrap_or_default();
@@ -173,8 +119,24 @@ fn options(args: &MeshArgs, extra: &Extra) -> Result<ModelOptions, Failure> {
     })
 }
 
+/// Says which faces have no mesh; their flat boundaries go beside the first output.
+pub(super) fn say_failures(shown: &str, meshed: &ModelMesh, beside: Option<&Output>) -> Result<(), Failure> {
+    for f in &meshed.failures {
+        say::warning(&format!("{shown}: face {} has no mesh: {}", f.name, f.message));
+        if let (Some(case), Some(out)) = (&f.case, beside) {
+            write_case(case, &out.path)?;
+        }
+    }
+    Ok(())
+}
+
 /// Writes the mesh with its sets, face numbers and scaled Jacobians.
-fn write(model: &Model, meshed: &ModelMesh, args: &MeshArgs, outputs: &[Output]) -> Result<(), Failure> {
+pub(super) fn write(
+    title: &str,
+    meshed: &ModelMesh,
+    element: Option<ElementArg>,
+    outputs: &[Output],
+) -> Result<(), Failure> {
     let (flat, heights) = meshed.mesh.split();
     let cell_data = [
         CellData { name: "face".into(), values: meshed.face_of_quad.iter().map(|f| f64::from(*f)).collect() },
@@ -185,9 +147,9 @@ fn write(model: &Model, meshed: &ModelMesh, args: &MeshArgs, outputs: &[Output])
         heights: &heights,
         sets: &meshed.sets,
         cell_data: &cell_data,
-        title: &model.name,
+        title,
     };
-    let element = args.element.map(Into::into).unwrap_or_default();
+    let element = element.map(Into::into).unwrap_or_default();
     let how = csalf_io::WriteOptions { element, ..csalf_io::WriteOptions::default() };
     outputs.iter().try_for_each(|o| files::write_mesh(&view, &how, o))
 }

@@ -1,9 +1,8 @@
 //! What a run on a model tells: a few lines, one line of JSON, or all of it face by face.
 
 use crate::files::{self, Output};
+use crate::metrics::scaled_jacobians;
 use crate::timing::{self, Seconds};
-use csalf_geom::QuadId;
-use csalf_mesh::SurfaceMesh;
 use csalf_model::ModelMesh;
 use csalf_model::brep::Model;
 use serde_json::{Map, Value, json};
@@ -108,22 +107,7 @@ fn faces(model: &Model, meshed: &ModelMesh, quality: &[f64]) -> Value {
 }
 
 /// Smallest and mean.
-fn of_list(values: &[f64]) -> (f64, f64) {
+pub(super) fn of_list(values: &[f64]) -> (f64, f64) {
     let n = values.len().max(1) as f64;
     (values.iter().copied().fold(1.0, f64::min), values.iter().sum::<f64>() / n)
-}
-
-/// Scaled Jacobian of each quad in space: the least over the corners, against the quad's mean normal.
-pub(super) fn scaled_jacobians(mesh: &SurfaceMesh) -> Vec<f64> {
-    (0..mesh.quads.len())
-        .map(|q| {
-            let p = mesh.corners(QuadId(q as u32));
-            let n = (p[2] - p[0]).cross(p[3] - p[1]).normalize_or_zero();
-            let corner = |k: usize| {
-                let (a, b) = (p[(k + 1) % 4] - p[k], p[(k + 3) % 4] - p[k]);
-                a.cross(b).dot(n) / (a.length() * b.length())
-            };
-            (0..4).map(corner).fold(1.0, f64::min)
-        })
-        .collect()
 }

@@ -72,3 +72,24 @@ fn the_format_of_standard_output_can_be_chosen() {
     let obj = run_with_input(&dir, &["mesh", "-", "-o", "-", "--format", "obj"], &square(2));
     assert_eq!(obj.out.lines().filter(|l| l.starts_with("f ")).count(), 4, "{}", obj.out);
 }
+
+#[test]
+fn plot_draws_a_mesh_by_a_metric() {
+    let dir = folder("plot");
+    let r = run_with_input(&dir, &["mesh", "-", "-o", "a.vtu", "-o", "a.svg"], &square(4));
+    assert_eq!(r.code, 0, "{}", r.err);
+    let plot = |more: &[&str]| run(&dir, &[&["plot", "a.vtu", "-o"], more].concat());
+    for by in
+        ["shape", "skew", "aspect_ratio", "jacobian_ratio", "min_angle", "max_angle", "area", "size_ratio"]
+    {
+        let r = plot(&["b.svg", "--by", by]);
+        assert_eq!(r.code, 0, "{by}: {}", r.err);
+        assert!(fs::read_to_string(dir.join("b.svg")).unwrap().starts_with("<svg"));
+    }
+    assert_eq!(plot(&["b.png", "--by", "area"]).code, 0);
+    assert!(fs::read(dir.join("b.png")).unwrap().starts_with(b"\x89PNG"));
+    assert!(plot(&["-", "--format", "svg"]).out.starts_with("<svg"));
+    let unknown = plot(&["b.svg", "--by", "beauty"]);
+    assert!(unknown.code == 2 && unknown.err.contains("known are scaled_jacobian"), "{}", unknown.err);
+    assert_eq!(plot(&["b.vtu"]).code, 2);
+}

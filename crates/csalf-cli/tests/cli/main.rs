@@ -4,4 +4,5 @@ mod common;
 mod formats;
 mod meshing;
 mod models;
+mod shards;
 mod usage;

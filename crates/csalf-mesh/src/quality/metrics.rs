@@ -1,8 +1,8 @@
 //! One number per element: quads first, then triangles.
 
 use super::{Corners, angles, aspect, jacobian_ratio, scaled_jacobian, shape, skew};
-use crate::QuadMesh;
-use csalf_geom::Point2;
+use crate::{QuadMesh, SurfaceMesh};
+use csalf_geom::{Point2, QuadId, VertexId};
 use csalf_sizemap::{Hint, SizeField};
 
 /// Names of all metrics, in the order in which people are shown them.
@@ -76,6 +76,40 @@ pub fn values(mesh: &QuadMesh, name: &str, field: Option<&dyn SizeField>) -> Opt
         }
         _ => return None,
     })
+}
+
+/// The values of a metric of a mesh in space: each quad is laid into its mean plane first. `None` if there is no such
+/// metric; `size_ratio` is NaN. Cost O(n).
+pub fn in_space(mesh: &SurfaceMesh, name: &str) -> Option<Vec<f64>> {
+    if name == "scaled_jacobian" {
+        return Some(scaled_jacobians(mesh));
+    }
+    let n = mesh.quads.len();
+    let mut flat = QuadMesh { points: Vec::with_capacity(4 * n), ..QuadMesh::default() };
+    for q in 0..n {
+        let p = mesh.corners(QuadId::new(q));
+        let normal = (p[2] - p[0]).cross(p[3] - p[1]).normalize_or_zero();
+        let along = (p[1] - p[0]).reject_from_normalized(normal).normalize_or_zero();
+        let across = normal.cross(along);
+        flat.points.extend(p.map(|c| Point2::new((c - p[0]).dot(along), (c - p[0]).dot(across))));
+        flat.quads.push(std::array::from_fn(|k| VertexId::new(4 * q + k)));
+    }
+    values(&flat, name, None)
+}
+
+/// Scaled Jacobian of each quad in space: the least over the corners, against the quad's mean normal.
+pub fn scaled_jacobians(mesh: &SurfaceMesh) -> Vec<f64> {
+    (0..mesh.quads.len())
+        .map(|q| {
+            let p = mesh.corners(QuadId::new(q));
+            let n = (p[2] - p[0]).cross(p[3] - p[1]).normalize_or_zero();
+            let corner = |k: usize| {
+                let (a, b) = (p[(k + 1) % 4] - p[k], p[(k + 3) % 4] - p[k]);
+                a.cross(b).dot(n) / (a.length() * b.length())
+            };
+            (0..4).map(corner).fold(1.0, f64::min)
+        })
+        .collect()
 }
 
 fn each(
