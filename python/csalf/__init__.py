@@ -9,8 +9,21 @@
 from ._api import Grid, Sources, check, discretise, jobs, mesh, mesh_all, read
 from ._csalf import Curve, __version__
 from ._curves import arc, bezier, circle, ellipse, line, polyline, spline
-from ._errors import Cancelled, Defect, Error, FormatError, GeometryError, InternalError, Place, SizeError
+from ._errors import (
+    Cancelled,
+    Defect,
+    Error,
+    FaceFailure,
+    FormatError,
+    GeometryError,
+    InternalError,
+    ModelError,
+    Place,
+    ShardError,
+    SizeError,
+)
 from ._mesh import Check, Mesh
+from ._model import Model, ModelMesh, mesh_model, stitch
 
 __all__ = [
     "Cancelled",
@@ -18,12 +31,17 @@ __all__ = [
     "Curve",
     "Defect",
     "Error",
+    "FaceFailure",
     "FormatError",
     "GeometryError",
     "Grid",
     "InternalError",
     "Mesh",
+    "Model",
+    "ModelError",
+    "ModelMesh",
     "Place",
+    "ShardError",
     "SizeError",
     "Sources",
     "__version__",
@@ -37,7 +55,9 @@ __all__ = [
     "line",
     "mesh",
     "mesh_all",
+    "mesh_model",
     "polyline",
     "read",
     "spline",
+    "stitch",
 ]

@@ -15,14 +15,15 @@ from . import _csalf, _size
 from ._csalf import Curve, Job
 from ._curves import nodes
 from ._errors import GeometryError, SizeError
+from ._layers import Layer, layer_row
 from ._mesh import Check, Mesh, joined
+from ._model import FORMATS, Model, mesh_model
 
 log = logging.getLogger("csalf")
 
 Line = Union[ArrayLike, Curve, Sequence[Curve]]
 """Points of shape (n, 2), which become mesh nodes; or a curve or chain of curves, which get nodes by the size."""
 Lines = Union[Sequence[Line], Mapping[str, Line]]
-Layer = Union[int, Sequence[float], tuple[int, str], tuple[int, str, float], Mapping[str, Any]]
 Source = Union[str, "os.PathLike[str]", Any]
 
 
@@ -67,10 +68,11 @@ def mesh(
     format: str | None = None,
     progress: Callable[[str], object] | None = None,
 ) -> Mesh:
-    """Meshes an outline.
+    """Meshes an outline, or a whole model.
 
-    ``source`` is the path of a file that csalf reads, or an object with ``__geo_interface__`` (a shapely polygon);
-    or give ``loops``: the outer one first, then holes, or by name. Nodes that are given become mesh nodes, bit for
+    ``source`` is the path of a file that csalf reads, or an object with ``__geo_interface__`` (a shapely polygon). The
+    path of a model (.step, .stp, .stl, .obj, .ply) or a ``Model`` goes to ``mesh_model``, which knows more of models.
+    Or give ``loops``: the outer one first, then holes, or by name. Nodes that are given become mesh nodes, bit for
     bit; curves get nodes by the size, and so do all lines with ``resample``.
 
     ``size`` is a number, a function of arrays x and y, (points, values), a grid (over the box of the outline, row 0 at
@@ -86,6 +88,24 @@ def mesh(
 
     Raises ``GeometryError`` with everything that is wrong with the outline, ``SizeError``, ``FormatError``.
     """
+    if _is_model(source, format):
+        given = dict(loops=loops, scars=scars, points=points, local_region=local_region)
+        given |= dict(allow_triangles=allow_triangles, repair_parity=repair_parity, resample=resample, name=name)
+        wrong = [k for k, v in given.items() if v is not None and v is not False and v != () and v != ""]
+        number = _number(size)
+        if wrong or (size is not None and number is None):
+            raise TypeError(f"a model takes a number as size, no {', '.join(wrong) or 'other sizes'}: see mesh_model")
+        return mesh_model(
+            source,
+            size=number,
+            layers=layers,
+            method=_first(method, "csalf"),
+            preset=_first(preset, "quality"),
+            gradation=gradation,
+            threads=_first(threads, 0),
+            format=format,
+            progress=progress,
+        )
     made = mesh_all(
         source,
         loops=loops,
@@ -167,6 +187,12 @@ def check(mesh: Mesh | str | os.PathLike[str], min_sj: float | None = None) -> C
     """Checks a mesh or a mesh file: convex, conforming, not worse than ``min_sj``."""
     m = mesh if isinstance(mesh, Mesh) else read(mesh)
     return m.check(min_sj)
+
+
+def _is_model(source: Source, format: str | None) -> bool:
+    if isinstance(source, (str, os.PathLike)):
+        return (format or os.path.splitext(os.fspath(source))[1][1:]).lower() in FORMATS
+    return isinstance(source, Model)
 
 
 def _first(*values: Any) -> Any:
@@ -348,21 +374,7 @@ def _give_size(job: Job, size: Size) -> None:
 
 
 def _give_layers(job: Job, pattern: str, layer: Layer) -> None:
-    if isinstance(layer, Mapping):
-        thicknesses = layer.get("thicknesses")
-        count = layer.get("count", len(thicknesses) if thicknesses is not None else None)
-        unknown = set(layer) - {"count", "law", "first", "thicknesses"}
-        if unknown or count is None:
-            raise ValueError(f"layers of {pattern!r}: expected count, law, first, thicknesses, not {sorted(layer)}")
-        job.add_layers(pattern, int(count), layer.get("law", "auto"), thicknesses, layer.get("first"))
-    elif isinstance(layer, (int, np.integer)):
-        job.add_layers(pattern, int(layer), "auto", None, None)
-    elif isinstance(layer, tuple) and len(layer) in (2, 3) and isinstance(layer[1], str):
-        first = float(layer[2]) if len(layer) == 3 else None
-        job.add_layers(pattern, int(layer[0]), layer[1], None, first)
-    else:
-        thicknesses = [float(t) for t in layer]  # type: ignore[union-attr, arg-type]
-        job.add_layers(pattern, len(thicknesses), "auto", thicknesses, None)
+    job.add_layers(*layer_row(pattern, layer))
 
 
 def _rings(geometry: Mapping[str, Any]) -> list[list[NDArray[np.float64]]]:

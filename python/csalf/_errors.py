@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Mapping, Sequence
+
+if TYPE_CHECKING:
+    from ._csalf import Job
+    from ._model import ModelMesh
 
 
 class Error(Exception):
@@ -93,6 +97,53 @@ class FormatError(Error, ValueError):
 
     def __reduce__(self) -> tuple[type[FormatError], tuple[str, str, int | None, int | None, str | None]]:
         return type(self), (str(self), self.format, self.line, self.byte, self.path)
+
+
+@dataclass(frozen=True)
+class FaceFailure:
+    """A face of a model without a mesh."""
+
+    face: int
+    """Which face, from 0."""
+    name: str
+    """Its name."""
+    message: str
+    """Why."""
+    case_json: bytes | None = field(default=None, repr=False)
+    """Its flat boundary as a job file, if it came so far."""
+
+    @property
+    def case(self) -> Job | None:
+        """Its flat boundary as a job for ``csalf.mesh``, to reproduce the failure."""
+        from ._csalf import Job
+
+        return None if self.case_json is None else Job.from_json(self.case_json)
+
+    def __str__(self) -> str:
+        return f"{self.name}: {self.message}"
+
+
+class ModelError(Error, RuntimeError):
+    """Some faces of a model have no mesh: ``failures`` says which and why, ``mesh`` holds the others."""
+
+    def __init__(self, message: str, failures: Sequence[FaceFailure], mesh: ModelMesh) -> None:
+        super().__init__(message)
+        self.failures = tuple(failures)
+        self.mesh = mesh
+
+    def __reduce__(self) -> tuple[type[ModelError], tuple[str, tuple[FaceFailure, ...], ModelMesh]]:
+        return type(self), (str(self), self.failures, self.mesh)
+
+
+class ShardError(Error, ValueError):
+    """Shards that do not go together: ``problems`` has one sentence for each fault, which names the shard."""
+
+    def __init__(self, message: str, problems: Sequence[str] = ()) -> None:
+        super().__init__(message)
+        self.problems = tuple(problems)
+
+    def __reduce__(self) -> tuple[type[ShardError], tuple[str, tuple[str, ...]]]:
+        return type(self), (str(self), self.problems)
 
 
 class InternalError(Error, RuntimeError):

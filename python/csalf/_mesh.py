@@ -74,7 +74,7 @@ class Mesh:
 
     @cached_property
     def points(self) -> Floats:
-        """Coordinates, (n, 2). The nodes of the input come first, in input order."""
+        """Coordinates, (n, 2), of models (n, 3). The nodes of the input come first, in input order."""
         return self._raw.points
 
     @cached_property
@@ -196,7 +196,7 @@ class Mesh:
         cell_data: Mapping[str, ArrayLike] | None = None,
     ) -> None:
         """Writes a file: .vtu, .msh (``format="msh22"`` for Gmsh 2.2), .inp, .bdf, .exo, .unv, .su2, .obj, .foam (a
-        case of OpenFOAM beside it), .svg, .png. ``cell_data``
+        case of OpenFOAM beside it), .vtkhdf, .mesh (ISM-v2), .svg, .png. ``cell_data``
         goes with formats that hold values; without it, the scaled Jacobian.
 
         ``order=2`` gives quadratic elements, with mid-side nodes on the curves where loops were given as curves; with
@@ -297,8 +297,10 @@ class Mesh:
             picture = f'<img style="max-width:100%" alt="the mesh" src="data:image/png;base64,{data}">'
         text = (
             f"{self.name or 'mesh'}: {q['n_vertices']} points, {q['n_quads']} quads; scaled Jacobian at least "
-            f"{q['min_sj']:.3f}, {q['mean_sj']:.3f} in the mean; {q['n_irregular']} irregular vertices"
+            f"{q['min_sj']:.3f}, {q['mean_sj']:.3f} in the mean"
         )
+        if "n_irregular" in q:
+            text += f"; {q['n_irregular']} irregular vertices"
         return f'<div style="max-width:640px">{picture}<div>{html.escape(text)}</div></div>'
 
     def __reduce__(self) -> tuple[Any, ...]:

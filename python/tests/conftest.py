@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -34,3 +36,19 @@ def plate() -> csalf.Mesh:
         layers={"bolt": (2, "constant", 0.4), "slot": (2, "constant", 0.3)},
         name="plate",
     )
+
+
+def boxes(path: Path, n: int) -> Path:
+    """An STL file of ``n`` unit cubes in a row, apart from each other."""
+    corners = np.array([[x, y, z] for z in (0, 1) for y in (0, 1) for x in (0, 1)], dtype=float)
+    sides = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+    lines = ["solid boxes"]
+    for k in range(n):
+        p = corners + (1.5 * k, 0, 0)
+        for a, b, c, d in sides:
+            for triangle in ((a, b, c), (a, c, d)):
+                lines.append("facet normal 0 0 0\nouter loop")
+                lines += ["vertex {} {} {}".format(*p[v]) for v in triangle]
+                lines.append("endloop\nendfacet")
+    path.write_text("\n".join([*lines, "endsolid boxes", ""]))
+    return path

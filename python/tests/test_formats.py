@@ -324,8 +324,111 @@ def test_openfoam(plate: csalf.Mesh, tmp_path) -> None:
     assert volume == pytest.approx(plate.area.sum() * 0.05 * 12)
 
 
+@pytest.mark.parametrize("order, centres, kind", [(1, False, 9), (2, False, 23), (2, True, 28)])
+def test_vtkhdf(plate: csalf.Mesh, ring: csalf.Mesh, tmp_path, order: int, centres: bool, kind: int) -> None:
+    pytest.importorskip("vtk", exc_type=(ImportError, OSError))
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+    from vtkmodules.vtkIOHDF import vtkHDFReader
+
+    mesh = plate if order == 1 else ring
+    path = tmp_path / "mesh.vtkhdf"
+    mesh.write(path, order=order, centres=centres)
+    reader = vtkHDFReader()
+    assert reader.CanReadFile(str(path))
+    reader.SetFileName(str(path))
+    reader.Update()
+    grid = reader.GetOutput()
+    assert grid.GetNumberOfCells() == len(mesh.quads)
+    assert {grid.GetCellType(k) for k in range(grid.GetNumberOfCells())} == {kind}
+    points = vtk_to_numpy(grid.GetPoints().GetData())
+    assert np.array_equal(points[: len(mesh.points), :2], mesh.points)
+    nodes = vtk_to_numpy(grid.GetCells().GetConnectivityArray()).reshape(len(mesh.quads), -1)
+    assert np.array_equal(nodes[:, :4], mesh.quads)
+    values = vtk_to_numpy(grid.GetCellData().GetArray("scaled_jacobian"))
+    assert np.array_equal(values, mesh.scaled_jacobian)
+    field = grid.GetFieldData()
+    for prefix, sets in (("nset", mesh.node_sets), ("eset", mesh.edge_sets), ("qset", mesh.quad_sets)):
+        for name, members in sets.items():
+            if len(members):
+                array = vtk_to_numpy(field.GetArray(f"{prefix}:{name}"))
+                assert np.array_equal(array.ravel(), members.ravel()), name
+
+
+def test_vtkhdf_by_h5py(plate: csalf.Mesh, tmp_path) -> None:
+    h5py = pytest.importorskip("h5py")
+    plate.write(tmp_path / "plate.vtkhdf")
+    with h5py.File(tmp_path / "plate.vtkhdf") as f:
+        root = f["VTKHDF"]
+        assert root.attrs["Type"] in (b"UnstructuredGrid", "UnstructuredGrid")
+        assert list(root.attrs["Version"]) == [2, 0]
+        assert np.array_equal(root["Points"][:, :2], plate.points)
+        assert np.array_equal(root["Connectivity"][:].reshape(-1, 4), plate.quads)
+        assert np.array_equal(root["FieldData/eset:bolt"], plate.edge_sets["bolt"])
+        assert np.array_equal(root["FieldData/qset:bolt_layer1"], plate.quad_sets["bolt_layer1"])
+
+
+def read_ism(path) -> dict:
+    """ISM-v2, after *The HOHQMesh Mesh File Formats*."""
+    lines = iter(path.read_text().splitlines())
+    assert next(lines) == "ISM-V2"
+    n_nodes, n_edges, n_elements, order = map(int, next(lines).split())
+    numbers = lambda kind: [kind(w) for w in next(lines).split()]  # noqa: E731
+    nodes = np.array([numbers(float) for _ in range(n_nodes)])
+    edges = np.array([numbers(int) for _ in range(n_edges)])
+    corners, curves, names = [], {}, []
+    for k in range(n_elements):
+        corners.append(numbers(int))
+        for side, flag in enumerate(numbers(int)):
+            if flag:
+                curves[k, side] = np.array([numbers(float) for _ in range(order + 1)])
+        names.append(next(lines).split())
+    assert next(lines, None) is None
+    return {"nodes": nodes, "edges": edges, "corners": np.array(corners), "curves": curves, "names": names, "order": order}
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_ism(plate: csalf.Mesh, ring: csalf.Mesh, tmp_path, order: int) -> None:
+    mesh = plate if order == 1 else ring
+    mesh.write(tmp_path / "a.mesh", order=order)
+    m = read_ism(tmp_path / "a.mesh")
+    assert m["order"] == order and np.array_equal(m["nodes"][:, :2], mesh.points)
+    assert np.array_equal(m["corners"] - 1, mesh.quads)
+    sides = [(0, 1), (1, 2), (3, 2), (0, 3)]
+    seen = set()
+    for a, b, e1, e2, s1, s2 in m["edges"].tolist():
+        first = m["corners"][e1 - 1][list(sides[s1 - 1])]
+        assert first.tolist() == [a, b]
+        seen.add((e1, s1))
+        if e2:
+            second = m["corners"][e2 - 1][list(sides[abs(s2) - 1])].tolist()
+            assert (second if s2 > 0 else second[::-1]) == [a, b]
+            seen.add((e2, abs(s2)))
+        name = m["names"][e1 - 1][s1 - 1]
+        assert (name == "---") == bool(e2) and (name == "---") == (s2 != 0)
+    assert len(seen) == 4 * len(mesh.quads), "every side of every element is in one edge"
+    for name in ("outer", "bolt", "slot") if order == 1 else ("outer", "hole0"):
+        assert sum(row.count(name) for row in m["names"]) == len(mesh.edge_sets[name])
+    if order == 1:
+        assert not m["curves"]
+        return
+    assert len(m["curves"]) == len(mesh.boundary)
+    for (k, side), curve in m["curves"].items():
+        ends = m["nodes"][m["corners"][k][list(sides[side])] - 1]
+        assert np.array_equal(curve[[0, 2]], ends)
+        assert off_circles(curve).max() < 1e-12
+
+
+def test_ism_has_quads_alone(ring: csalf.Mesh, tmp_path) -> None:
+    with pytest.raises(csalf.FormatError, match="no node inside"):
+        ring.write(tmp_path / "a.mesh", order=2, centres=True)
+    triangle = csalf.Mesh.from_arrays([(0, 0), (1, 0), (0, 1)], np.empty((0, 4)), [(0, 1, 2)])
+    with pytest.raises(csalf.FormatError, match="no triangles"):
+        triangle.write(tmp_path / "a.mesh")
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_what_is_not_read_says_so(plate: csalf.Mesh, tmp_path) -> None:
-    for suffix in ("su2", "unv", "exo"):
+    for suffix in ("su2", "unv", "exo", "vtkhdf", "mesh"):
         plate.write(tmp_path / f"plate.{suffix}")
         with pytest.raises(csalf.FormatError, match="not read"):
             csalf.read(tmp_path / f"plate.{suffix}")

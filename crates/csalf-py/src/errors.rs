@@ -1,8 +1,10 @@
 //! Exceptions of `csalf._errors`, with the fields of the Rust errors.
 
+use csalf_cli::exit::Failure;
 use csalf_core::MeshError;
 use csalf_geom::{Defect, Place};
 use csalf_io::IoError;
+use csalf_model::shard::ShardError;
 use csalf_sizemap::SizeError;
 use pyo3::exceptions::{PyOSError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
@@ -71,6 +73,21 @@ pub(crate) fn of_size(py: Python<'_>, error: &SizeError) -> PyErr {
         _ => ("background", None, None),
     };
     raise(py, "SizeError", (error.to_string(), what, index, value))
+}
+
+/// The exception of a file that is no model.
+pub(crate) fn of_failure(py: Python<'_>, failure: &Failure, format: &str) -> PyErr {
+    match failure {
+        Failure::Usage(m) => value(m.as_str()),
+        Failure::Files(m) => PyOSError::new_err(m.clone()),
+        other => raise(py, "FormatError", (other.to_string(), format)),
+    }
+}
+
+/// The exception of shards that do not go together.
+pub(crate) fn of_shards(py: Python<'_>, errors: &[ShardError]) -> PyErr {
+    let words: Vec<String> = errors.iter().map(ToString::to_string).collect();
+    raise(py, "ShardError", (words.join("; "), words))
 }
 
 /// The exception of a file.

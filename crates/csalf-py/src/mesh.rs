@@ -13,7 +13,7 @@ use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2}
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use std::io::{BufWriter, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
 /// A mesh, its sets and what is known of how it was made.
@@ -59,11 +59,11 @@ impl Mesh {
     fn fill(
         &self,
         format: MeshFormat,
-        data: Vec<CellData>,
+        data: &[CellData],
         how: How,
         w: &mut dyn Write,
     ) -> Result<(), IoError> {
-        let cell_data = if data.is_empty() { &self.cell_data } else { &data };
+        let cell_data = if data.is_empty() { self.cell_data.as_slice() } else { data };
         let view =
             MeshView { mesh: &self.mesh, heights: &[], sets: &self.sets, cell_data, title: self.title() };
         let centres = how.nodes == 9;
@@ -79,7 +79,80 @@ impl Mesh {
 }
 
 /// Members by name.
-type Named<T> = Vec<(String, Vec<T>)>;
+pub(crate) type Named<T> = Vec<(String, Vec<T>)>;
+
+/// Sets of nodes, edges and quads of a mesh of so many.
+pub(crate) fn named_sets(
+    sets: (Named<u32>, Named<[u32; 2]>, Named<u32>),
+    n_points: usize,
+    n_quads: usize,
+) -> PyResult<NamedSets> {
+    let bad_node = sets.0.iter().find(|s| s.1.iter().any(|&v| v as usize >= n_points)).map(|s| &s.0);
+    let bad_edge =
+        sets.1.iter().find(|s| s.1.iter().flatten().any(|&v| v as usize >= n_points)).map(|s| &s.0);
+    let bad_quad = sets.2.iter().find(|s| s.1.iter().any(|&q| q as usize >= n_quads)).map(|s| &s.0);
+    if let Some(name) = bad_node.or(bad_edge).or(bad_quad) {
+        return Err(errors::value(format!("set '{name}' names something that the mesh has not")));
+    }
+    Ok(NamedSets {
+        nodes: sets.0.into_iter().map(|(n, v)| (n, v.into_iter().map(VertexId).collect())).collect(),
+        edges: sets
+            .1
+            .into_iter()
+            .map(|(n, e)| (n, e.into_iter().map(|e| e.map(VertexId)).collect()))
+            .collect(),
+        quads: sets.2.into_iter().map(|(n, q)| (n, q.into_iter().map(QuadId).collect())).collect(),
+    })
+}
+
+pub(crate) fn node_sets<'py>(py: Python<'py>, sets: &NamedSets) -> PyResult<Bound<'py, PyDict>> {
+    let out = PyDict::new(py);
+    for (name, nodes) in &sets.nodes {
+        out.set_item(name, nodes.iter().map(|v| v.0).collect::<Vec<_>>().into_pyarray(py))?;
+    }
+    Ok(out)
+}
+
+pub(crate) fn edge_sets<'py>(py: Python<'py>, sets: &NamedSets) -> PyResult<Bound<'py, PyDict>> {
+    let out = PyDict::new(py);
+    for (name, edges) in &sets.edges {
+        out.set_item(name, numpy::ToPyArray::to_pyarray(&rows(share::indices(edges)), py))?;
+    }
+    Ok(out)
+}
+
+pub(crate) fn quad_sets<'py>(py: Python<'py>, sets: &NamedSets) -> PyResult<Bound<'py, PyDict>> {
+    let out = PyDict::new(py);
+    for (name, quads) in &sets.quads {
+        out.set_item(name, quads.iter().map(|q| q.0).collect::<Vec<_>>().into_pyarray(py))?;
+    }
+    Ok(out)
+}
+
+/// The format called so, or else that of the extension.
+fn format_of(py: Python<'_>, path: &Path, name: Option<&str>) -> PyResult<MeshFormat> {
+    match name {
+        Some(name) => MeshFormat::from_name(name).ok_or_else(|| errors::value(format!("no format '{name}'"))),
+        None => MeshFormat::from_path(path).map_err(|e| errors::of_file(py, &e)),
+    }
+}
+
+/// Writes what `fill` gives to a file. One that could not be written in full is removed again.
+pub(crate) fn put(
+    py: Python<'_>,
+    path: &Path,
+    format: Option<&str>,
+    fill: impl FnOnce(MeshFormat, &mut dyn Write) -> Result<(), IoError> + Send,
+) -> PyResult<()> {
+    let format = format_of(py, path, format)?;
+    let file = std::fs::File::create(path)
+        .map_err(|source| errors::of_file(py, &IoError::Open { path: path.to_owned(), source }))?;
+    py.detach(|| fill(format, &mut BufWriter::new(file))).map_err(|e| {
+        // The error that matters is the one at hand.
+        let _ = std::fs::remove_file(path);
+        errors::of_file(py, &e)
+    })
+}
 
 #[pymethods]
 impl Mesh {
@@ -95,22 +168,7 @@ impl Mesh {
         let n = points.len();
         let quads = elements::<4>(&quads, n)?;
         let mesh = QuadMesh { points, triangles: elements::<3>(&triangles, n)?, quads };
-        let bad_node = sets.0.iter().find(|s| s.1.iter().any(|&v| v as usize >= n)).map(|s| &s.0);
-        let bad_edge = sets.1.iter().find(|s| s.1.iter().flatten().any(|&v| v as usize >= n)).map(|s| &s.0);
-        let bad_quad =
-            sets.2.iter().find(|s| s.1.iter().any(|&q| q as usize >= mesh.n_quads())).map(|s| &s.0);
-        if let Some(name) = bad_node.or(bad_edge).or(bad_quad) {
-            return Err(errors::value(format!("set '{name}' names something that the mesh has not")));
-        }
-        let sets = NamedSets {
-            nodes: sets.0.into_iter().map(|(n, v)| (n, v.into_iter().map(VertexId).collect())).collect(),
-            edges: sets
-                .1
-                .into_iter()
-                .map(|(n, e)| (n, e.into_iter().map(|e| e.map(VertexId)).collect()))
-                .collect(),
-            quads: sets.2.into_iter().map(|(n, q)| (n, q.into_iter().map(QuadId).collect())).collect(),
-        };
+        let sets = named_sets(sets, mesh.points.len(), mesh.n_quads())?;
         let (cell_data, notes) = (Vec::new(), Vec::new());
         Ok(Self { mesh, sets, cell_data, made: None, notes, field: OnceLock::new() })
     }
@@ -152,27 +210,15 @@ impl Mesh {
     }
 
     fn node_sets<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let out = PyDict::new(py);
-        for (name, nodes) in &self.sets.nodes {
-            out.set_item(name, nodes.iter().map(|v| v.0).collect::<Vec<_>>().into_pyarray(py))?;
-        }
-        Ok(out)
+        node_sets(py, &self.sets)
     }
 
     fn edge_sets<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let out = PyDict::new(py);
-        for (name, edges) in &self.sets.edges {
-            out.set_item(name, numpy::ToPyArray::to_pyarray(&rows(share::indices(edges)), py))?;
-        }
-        Ok(out)
+        edge_sets(py, &self.sets)
     }
 
     fn quad_sets<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let out = PyDict::new(py);
-        for (name, quads) in &self.sets.quads {
-            out.set_item(name, quads.iter().map(|q| q.0).collect::<Vec<_>>().into_pyarray(py))?;
-        }
-        Ok(out)
+        quad_sets(py, &self.sets)
     }
 
     /// Values per element that came with the file.
@@ -239,14 +285,8 @@ impl Mesh {
         nodes: usize,
         element: &str,
     ) -> PyResult<()> {
-        let format = match format {
-            Some(name) => {
-                MeshFormat::from_name(name).ok_or_else(|| errors::value(format!("no format '{name}'")))?
-            }
-            None => MeshFormat::from_path(&path).map_err(|e| errors::of_file(py, &e))?,
-        };
         let (data, how) = (cell_data(data), How::new(nodes, element)?);
-        if format == MeshFormat::Foam && how.nodes == 4 {
+        if how.nodes == 4 && format_of(py, &path, format)? == MeshFormat::Foam {
             let view = MeshView {
                 mesh: &self.mesh,
                 heights: &[],
@@ -258,13 +298,7 @@ impl Mesh {
                 .detach(|| csalf_io::foam::write_case(&view, &path))
                 .map_err(|e| errors::of_file(py, &e));
         }
-        let file = std::fs::File::create(&path)
-            .map_err(|source| errors::of_file(py, &IoError::Open { path: path.clone(), source }))?;
-        py.detach(|| self.fill(format, data, how, &mut BufWriter::new(file))).map_err(|e| {
-            // The error that matters is the one at hand.
-            let _ = std::fs::remove_file(&path);
-            errors::of_file(py, &e)
-        })
+        put(py, &path, format, |format, w| self.fill(format, &data, how, w))
     }
 
     /// The bytes of a file.
@@ -278,7 +312,7 @@ impl Mesh {
             MeshFormat::from_name(format).ok_or_else(|| errors::value(format!("no format '{format}'")))?;
         let data = cell_data(data);
         let mut bytes = Vec::new();
-        py.detach(|| self.fill(format, data, How::default(), &mut bytes))
+        py.detach(|| self.fill(format, &data, How::default(), &mut bytes))
             .map_err(|e| errors::of_file(py, &e))?;
         Ok(PyBytes::new(py, &bytes))
     }
@@ -286,14 +320,14 @@ impl Mesh {
 
 /// How a mesh is written.
 #[derive(Clone, Copy, Debug, Default)]
-struct How {
+pub(crate) struct How {
     /// Nodes per quad: 4, 8 or 9.
-    nodes: usize,
-    element: InpElement,
+    pub(crate) nodes: usize,
+    pub(crate) element: InpElement,
 }
 
 impl How {
-    fn new(nodes: usize, element: &str) -> PyResult<Self> {
+    pub(crate) fn new(nodes: usize, element: &str) -> PyResult<Self> {
         if ![4, 8, 9].contains(&nodes) {
             return Err(errors::value(format!("quads have 4, 8 or 9 nodes, not {nodes}")));
         }
@@ -311,16 +345,19 @@ impl How {
     }
 }
 
-fn cell_data(data: Vec<(String, PyReadonlyArray1<'_, f64>)>) -> Vec<CellData> {
+pub(crate) fn cell_data(data: Vec<(String, PyReadonlyArray1<'_, f64>)>) -> Vec<CellData> {
     data.into_iter().map(|(name, v)| CellData { name, values: v.as_array().to_vec() }).collect()
 }
 
-fn rows(edges: &[[u32; 2]]) -> numpy::ndarray::ArrayView2<'_, u32> {
+pub(crate) fn rows(edges: &[[u32; 2]]) -> numpy::ndarray::ArrayView2<'_, u32> {
     numpy::ndarray::ArrayView2::from(edges)
 }
 
 /// Rows of vertex numbers below `n`.
-fn elements<const K: usize>(array: &PyReadonlyArray2<'_, u32>, n: usize) -> PyResult<Vec<[VertexId; K]>> {
+pub(crate) fn elements<const K: usize>(
+    array: &PyReadonlyArray2<'_, u32>,
+    n: usize,
+) -> PyResult<Vec<[VertexId; K]>> {
     let a = array.as_array();
     if a.ncols() != K {
         return Err(errors::value(format!("expected an array of shape (n, {K}), not {:?}", a.shape())));
@@ -334,12 +371,7 @@ fn elements<const K: usize>(array: &PyReadonlyArray2<'_, u32>, n: usize) -> PyRe
 /// Reads a mesh from a file.
 #[pyfunction]
 pub(crate) fn read(py: Python<'_>, path: PathBuf, format: Option<&str>) -> PyResult<Mesh> {
-    let format = match format {
-        Some(name) => {
-            MeshFormat::from_name(name).ok_or_else(|| errors::value(format!("no format '{name}'")))?
-        }
-        None => MeshFormat::from_path(&path).map_err(|e| errors::of_file(py, &e))?,
-    };
+    let format = format_of(py, &path, format)?;
     let data = py
         .detach(|| {
             let bytes =

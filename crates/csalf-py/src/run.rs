@@ -1,7 +1,7 @@
 //! Meshing on a thread of its own.
 //!
 //! ```text
-//!   Python's thread   ──job──▶  worker: csalf_core::mesh_watched
+//!   Python's thread   ──work─▶  worker: csalf_core::mesh_watched, or the faces of a model
 //!     waits without the GIL;      │
 //!     every 50 ms: signals?  ◀────┤ stage begins
 //!     calls the callback     ◀────┘ mesh or error
@@ -13,7 +13,7 @@
 use crate::errors;
 use crate::job::Job;
 use crate::mesh::Mesh;
-use csalf_core::{MeshError, Meshed, Method, Options, Preset, Watch};
+use csalf_core::{MeshError, Method, Options, Preset, Watch};
 use pyo3::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
@@ -24,18 +24,18 @@ use std::time::Duration;
 const LOOK: Duration = Duration::from_millis(50);
 
 /// News of the worker.
-enum News {
+enum News<T> {
     Stage(&'static str),
-    Done(Box<Result<Meshed, MeshError>>),
+    Done(Box<T>),
 }
 
 /// Sends stages, hears of the end.
-struct Line {
-    news: Mutex<mpsc::Sender<News>>,
+struct Line<T> {
+    news: Mutex<mpsc::Sender<News<T>>>,
     cancelled: Arc<AtomicBool>,
 }
 
-impl Watch for Line {
+impl<T: Send> Watch for Line<T> {
     fn stage(&self, name: &'static str) {
         if let Ok(news) = self.news.lock() {
             // Nobody listens any more: the flag says so, too.
@@ -73,6 +73,18 @@ pub(crate) fn mesh(
     repair_parity: bool,
     watch: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Mesh> {
+    let (method, preset) = means(method, preset)?;
+    let options = Options { method, preset, threads, gradation, allow_triangles, repair_parity };
+    let geometry = job.geometry.clone();
+    let job = Arc::new(job.job.clone());
+    let (worker_job, worker_options) = (Arc::clone(&job), options.clone());
+    let work = move |line: &dyn Watch| csalf_core::mesh_watched(&worker_job, &worker_options, line);
+    let meshed = follow(py, watch.as_ref(), work)?.map_err(|e| errors::of_meshing(py, &e))?;
+    Ok(Mesh::new(meshed, Arc::unwrap_or_clone(job), options, geometry))
+}
+
+/// Method and preset by their names.
+pub(crate) fn means(method: &str, preset: &str) -> PyResult<(Method, Preset)> {
     let method = match method {
         "csalf" => Method::Csalf,
         "paper" => Method::Paper,
@@ -84,16 +96,21 @@ pub(crate) fn mesh(
         "fast" => Preset::Fast,
         other => return Err(errors::value(format!("preset '{other}': known are quality, fast"))),
     };
-    let options = Options { method, preset, threads, gradation, allow_triangles, repair_parity };
-    let geometry = job.geometry.clone();
-    let job = Arc::new(job.job.clone());
+    Ok((method, preset))
+}
+
+/// Runs `work` on a thread of its own, so that signals and stages reach Python.
+pub(crate) fn follow<T: Send + 'static>(
+    py: Python<'_>,
+    watch: Option<&Bound<'_, PyAny>>,
+    work: impl FnOnce(&dyn Watch) -> T + Send + 'static,
+) -> PyResult<T> {
     let cancelled = Arc::new(AtomicBool::new(false));
     let (sender, receiver) = mpsc::channel();
-    let (worker_job, worker_options) = (Arc::clone(&job), options.clone());
     let line = Line { news: Mutex::new(sender.clone()), cancelled: Arc::clone(&cancelled) };
     let _cancel = CancelOnDrop(cancelled);
     std::thread::Builder::new().name("csalf".into()).spawn(move || {
-        let result = csalf_core::mesh_watched(&worker_job, &worker_options, &line);
+        let result = work(&line);
         // The caller may have left.
         let _ = sender.send(News::Done(Box::new(result)));
     })?;
@@ -111,16 +128,13 @@ pub(crate) fn mesh(
                 return Err(errors::of_meshing(py, &lost));
             }
             Ok(News::Stage(name)) => {
-                if let Some(watch) = &watch
+                if let Some(watch) = watch
                     && matches!(watch.call1((name,))?.extract::<bool>(), Ok(false))
                 {
                     return Err(errors::of_meshing(py, &MeshError::Cancelled));
                 }
             }
-            Ok(News::Done(result)) => {
-                let meshed = (*result).map_err(|e| errors::of_meshing(py, &e))?;
-                return Ok(Mesh::new(meshed, Arc::unwrap_or_clone(job), options, geometry));
-            }
+            Ok(News::Done(result)) => return Ok(*result),
         }
     }
 }

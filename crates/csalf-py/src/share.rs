@@ -8,18 +8,26 @@
 #![allow(unsafe_code, reason = "the one place where memory of Rust is shown to Python")]
 
 use csalf_geom::{Point2, VertexId};
+use glam::DVec3;
 use numpy::ndarray::ArrayView2;
 use numpy::{Element, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 
 const _: () =
     assert!(size_of::<Point2>() == 2 * size_of::<f64>() && align_of::<Point2>() == align_of::<f64>());
+const _: () = assert!(size_of::<DVec3>() == 3 * size_of::<f64>() && align_of::<DVec3>() == align_of::<f64>());
 const _: () =
     assert!(size_of::<VertexId>() == size_of::<u32>() && align_of::<VertexId>() == align_of::<u32>());
 
 /// Points as rows of two numbers.
 pub(crate) fn coordinates(points: &[Point2]) -> &[[f64; 2]] {
     // SAFETY: `DVec2` is `repr(C)` with the fields x and y; size and alignment are asserted above.
+    unsafe { std::slice::from_raw_parts(points.as_ptr().cast(), points.len()) }
+}
+
+/// Points in space as rows of three numbers.
+pub(crate) fn places(points: &[DVec3]) -> &[[f64; 3]] {
+    // SAFETY: `DVec3` is `repr(C)` with the fields x, y and z; size and alignment are asserted above.
     unsafe { std::slice::from_raw_parts(points.as_ptr().cast(), points.len()) }
 }
 

@@ -1,0 +1,305 @@
+//! The finished mesh of a model. As [`crate::mesh::Mesh`], with three coordinates, faces, and what failed.
+
+use crate::mesh::{How, Named, cell_data, elements, named_sets, put, rows};
+use crate::{errors, share};
+use csalf_cli::metrics;
+use csalf_geom::VertexId;
+use csalf_io::{CellData, IoError, MeshFormat, MeshView, WriteOptions, json};
+use csalf_mesh::SurfaceMesh;
+use csalf_model::shard::Stitched;
+use csalf_model::{FaceFailure, LoopLayers};
+use glam::DVec3;
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict};
+use std::io::Write;
+use std::path::PathBuf;
+
+/// The mesh of a model.
+#[pyclass(module = "csalf._csalf", frozen)]
+#[derive(Debug)]
+pub(crate) struct ModelMesh {
+    name: String,
+    faces: Vec<String>,
+    mesh: csalf_model::ModelMesh,
+}
+
+impl ModelMesh {
+    pub(crate) fn new(made: Stitched) -> Self {
+        let Stitched { name, faces, mesh } = made;
+        Self { name, faces, mesh }
+    }
+
+    fn surface(&self) -> &SurfaceMesh {
+        &self.mesh.mesh
+    }
+
+    fn fill(
+        &self,
+        format: MeshFormat,
+        cell_data: &[CellData],
+        how: How,
+        w: &mut dyn Write,
+    ) -> Result<(), IoError> {
+        let (flat, heights) = self.surface().split();
+        let view =
+            MeshView { mesh: &flat, heights: &heights, sets: &self.mesh.sets, cell_data, title: &self.name };
+        let how = WriteOptions { element: how.element, ..WriteOptions::default() };
+        csalf_io::write_mesh_with(format, &view, &how, w)?;
+        Ok(w.flush()?)
+    }
+}
+
+/// Face, its name, why it has no mesh, its flat boundary as a job file.
+type Failure = (usize, String, String, Option<Vec<u8>>);
+/// Loop, layers asked, made, why not more.
+type Layers = (String, usize, usize, String);
+
+#[pymethods]
+impl ModelMesh {
+    /// A mesh from its parts.
+    #[new]
+    #[allow(clippy::too_many_arguments, reason = "the parts of a pickle")]
+    fn from_parts(
+        name: String,
+        faces: Vec<String>,
+        points: PyReadonlyArray2<'_, f64>,
+        quads: PyReadonlyArray2<'_, u32>,
+        face_of_quad: Vec<u32>,
+        sets: (Named<u32>, Named<[u32; 2]>, Named<u32>),
+        failures: Vec<Failure>,
+        layers: Vec<Layers>,
+        warnings: Vec<String>,
+        n_sides: (usize, usize),
+    ) -> PyResult<Self> {
+        let a = points.as_array();
+        if a.ncols() != 3 {
+            return Err(errors::value(format!("expected an array of shape (n, 3), not {:?}", a.shape())));
+        }
+        let points: Vec<DVec3> = a.rows().into_iter().map(|r| DVec3::new(r[0], r[1], r[2])).collect();
+        let quads = elements::<4>(&quads, points.len())?;
+        if face_of_quad.len() != quads.len() || face_of_quad.iter().any(|&f| f as usize >= faces.len()) {
+            return Err(errors::value("one face per quad, each of them there"));
+        }
+        let sets = named_sets(sets, points.len(), quads.len())?;
+        let failure = |(face, name, message, case): Failure| FaceFailure {
+            face,
+            name,
+            message,
+            case: case.and_then(|bytes| json::read(&bytes).ok()).map(|d| d.job),
+        };
+        let layer = |(name, asked, made, why): Layers| LoopLayers { name, asked, made, why };
+        let mesh = csalf_model::ModelMesh {
+            mesh: SurfaceMesh { points, quads },
+            sets,
+            face_of_quad,
+            failures: failures.into_iter().map(failure).collect(),
+            layers: layers.into_iter().map(layer).collect(),
+            warnings,
+            n_free_sides: n_sides.0,
+            n_branching_sides: n_sides.1,
+        };
+        Ok(Self { name, faces, mesh })
+    }
+
+    #[getter]
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    #[getter]
+    fn n_warnings(&self) -> usize {
+        self.mesh.warnings.len()
+    }
+
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.mesh.warnings.clone()
+    }
+
+    #[getter]
+    #[allow(unsafe_code, reason = "shows memory of this object")]
+    fn points<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let rows = share::places(&slf.get().surface().points);
+        // SAFETY: this object is frozen; its mesh lives until it is dropped.
+        unsafe { share::borrowed(rows, slf.clone().into_any()) }
+    }
+
+    #[getter]
+    #[allow(unsafe_code, reason = "shows memory of this object")]
+    fn quads<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray2<u32>>> {
+        // SAFETY: as for the points.
+        unsafe { share::borrowed(share::indices(&slf.get().surface().quads), slf.clone().into_any()) }
+    }
+
+    /// There are none.
+    #[getter]
+    fn triangles<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<u32>> {
+        PyArray2::zeros(py, [0, 3], false)
+    }
+
+    /// Where points and quads lie in memory, for tests.
+    fn addresses(&self) -> (usize, usize) {
+        (self.surface().points.as_ptr() as usize, self.surface().quads.as_ptr() as usize)
+    }
+
+    fn face_of_quad<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
+        self.mesh.face_of_quad.clone().into_pyarray(py)
+    }
+
+    fn face_names(&self) -> Vec<String> {
+        self.faces.clone()
+    }
+
+    fn failures(&self, py: Python<'_>) -> PyResult<Vec<Failure>> {
+        let case = |job: &csalf_core::Job| -> PyResult<Vec<u8>> {
+            let mut bytes = Vec::new();
+            json::write(job, &csalf_io::JobOptions::default(), &mut bytes)
+                .map_err(|e| errors::of_file(py, &e))?;
+            Ok(bytes)
+        };
+        let one = |f: &FaceFailure| -> PyResult<Failure> {
+            Ok((f.face, f.name.clone(), f.message.clone(), f.case.as_ref().map(case).transpose()?))
+        };
+        self.mesh.failures.iter().map(one).collect()
+    }
+
+    fn layers(&self) -> Vec<Layers> {
+        let one = |l: &LoopLayers| (l.name.clone(), l.asked, l.made, l.why.clone());
+        self.mesh.layers.iter().map(one).collect()
+    }
+
+    /// Sides of one quad only; of three and more.
+    fn n_sides(&self) -> (usize, usize) {
+        (self.mesh.n_free_sides, self.mesh.n_branching_sides)
+    }
+
+    fn node_sets<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        crate::mesh::node_sets(py, &self.mesh.sets)
+    }
+
+    fn edge_sets<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        crate::mesh::edge_sets(py, &self.mesh.sets)
+    }
+
+    fn quad_sets<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        crate::mesh::quad_sets(py, &self.mesh.sets)
+    }
+
+    /// None came with it.
+    #[allow(clippy::unused_self, reason = "as that of the plane mesh")]
+    fn cell_data<'py>(&self, py: Python<'py>) -> Bound<'py, PyDict> {
+        PyDict::new(py)
+    }
+
+    /// Sides that one quad has alone, in its direction.
+    fn boundary<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<u32>> {
+        let edges = py.detach(|| free_sides(self.surface()));
+        numpy::ToPyArray::to_pyarray(&rows(share::indices(&edges)), py)
+    }
+
+    /// Values of a metric, each quad in its mean plane.
+    fn metric<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let values = py.detach(|| metrics::in_space(self.surface(), name));
+        let unknown =
+            || errors::value(format!("no metric '{name}'; known are {}", metrics::NAMES.join(", ")));
+        Ok(values.ok_or_else(unknown)?.into_pyarray(py))
+    }
+
+    /// The report as JSON.
+    fn report_json(&self, py: Python<'_>) -> String {
+        py.detach(|| {
+            let sj = metrics::scaled_jacobians(self.surface());
+            let (n_vertices, n_quads) = (self.surface().points.len(), sj.len());
+            let quality = serde_json::json!({
+                "n_vertices": n_vertices,
+                "n_quads": n_quads,
+                "min_sj": sj.iter().copied().fold(1.0, f64::min),
+                "mean_sj": sj.iter().sum::<f64>() / n_quads.max(1) as f64,
+            });
+            let failure = |f: &FaceFailure| serde_json::json!({ "face": f.name, "message": f.message });
+            let layer = |l: &LoopLayers| {
+                serde_json::json!({ "loop": l.name, "asked": l.asked, "made": l.made, "stopped": l.why })
+            };
+            let failures: Vec<_> = self.mesh.failures.iter().map(failure).collect();
+            let layers: Vec<_> = self.mesh.layers.iter().map(layer).collect();
+            serde_json::json!({
+                "name": self.name,
+                "n_faces": self.faces.len(),
+                "n_vertices": n_vertices,
+                "n_quads": n_quads,
+                "n_triangles": 0,
+                "n_free_sides": self.mesh.n_free_sides,
+                "n_branching_sides": self.mesh.n_branching_sides,
+                "quality": quality,
+                "failures": failures,
+                "layers": layers,
+                "warnings": self.mesh.warnings,
+            })
+            .to_string()
+        })
+    }
+
+    /// What is wrong with the mesh, in words.
+    fn findings(&self, py: Python<'_>) -> Vec<String> {
+        let bad =
+            py.detach(|| metrics::scaled_jacobians(self.surface()).iter().filter(|q| !(**q > 0.0)).count());
+        let mut out: Vec<String> = self
+            .mesh
+            .failures
+            .iter()
+            .map(|f| format!("face {} has no mesh: {}", f.name, f.message))
+            .collect();
+        if bad > 0 {
+            out.push(format!("{bad} quads are not convex"));
+        }
+        out
+    }
+
+    /// Writes to a file. A file that could not be written in full is removed again.
+    fn write(
+        &self,
+        py: Python<'_>,
+        path: PathBuf,
+        format: Option<&str>,
+        data: Vec<(String, PyReadonlyArray1<'_, f64>)>,
+        nodes: usize,
+        element: &str,
+    ) -> PyResult<()> {
+        let (data, how) = (cell_data(data), How::new(nodes, element)?);
+        if how.nodes > 4 {
+            return Err(errors::value("meshes of models have no mid-side nodes yet"));
+        }
+        put(py, &path, format, |format, w| self.fill(format, &data, how, w))
+    }
+
+    /// The bytes of a file.
+    fn encode<'py>(
+        &self,
+        py: Python<'py>,
+        format: &str,
+        data: Vec<(String, PyReadonlyArray1<'_, f64>)>,
+    ) -> PyResult<Bound<'py, PyBytes>> {
+        let format =
+            MeshFormat::from_name(format).ok_or_else(|| errors::value(format!("no format '{format}'")))?;
+        let data = cell_data(data);
+        let mut bytes = Vec::new();
+        py.detach(|| self.fill(format, &data, How::default(), &mut bytes))
+            .map_err(|e| errors::of_file(py, &e))?;
+        Ok(PyBytes::new(py, &bytes))
+    }
+}
+
+/// Sides of one quad only, in the order of the quads.
+fn free_sides(mesh: &SurfaceMesh) -> Vec<[VertexId; 2]> {
+    let side = |q: &[VertexId; 4], k: usize| [q[k], q[(k + 1) % 4]];
+    let key = |[a, b]: [VertexId; 2]| [a.min(b), a.max(b)];
+    let mut all: Vec<[VertexId; 2]> =
+        mesh.quads.iter().flat_map(|q| (0..4).map(move |k| key(side(q, k)))).collect();
+    all.sort_unstable();
+    let alone = |s: [VertexId; 2]| {
+        let at = all.partition_point(|t| *t < s);
+        all.get(at + 1) != Some(&s)
+    };
+    mesh.quads.iter().flat_map(|q| (0..4).map(move |k| side(q, k))).filter(|s| alone(key(*s))).collect()
+}

@@ -1,0 +1,150 @@
+"""Whole models: from files, in one piece, in shards."""
+
+from __future__ import annotations
+
+import pickle
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import boxes
+
+import csalf
+
+BLOCK = Path(__file__).parents[2] / "crates/csalf-step/tests/data/block.step"
+needs_block = pytest.mark.skipif(not BLOCK.exists(), reason="not in a checkout")
+
+
+@pytest.fixture(scope="module")
+def block() -> csalf.ModelMesh:
+    return csalf.mesh_model(BLOCK, size=5, layers={"hole*": 2})
+
+
+@needs_block
+def test_a_step_file_is_meshed(block: csalf.ModelMesh, tmp_path) -> None:
+    model = csalf.Model(BLOCK)
+    assert block.faces == [name for name, _ in model.faces] and not block.failures
+    assert {kind for _, kind in model.faces} >= {"plane"}
+    assert block.n_free_sides == 0 and block.n_branching_sides == 0, "a solid is closed"
+    assert len(block.boundary) == 0
+    assert block.points.shape[1] == 3 and not block.points.flags.writeable
+    low, high = model.bounds
+    assert (block.points >= low - 1e-6).all() and (block.points <= high + 1e-6).all()
+    # Arrays are the memory of Rust.
+    assert (block.points.ctypes.data, block.quads.ctypes.data) == block._raw.addresses()
+    assert len(block.face_of_quad) == len(block.quads)
+    for k, name in enumerate(block.faces):
+        assert np.array_equal(block.quad_sets[name], np.flatnonzero(block.face_of_quad == k))
+    assert block.scaled_jacobian.min() > 0.3 and block.check(0.3)
+    assert block.area.min() > 0 and block.min_angle.min() > 10
+    assert set(model.edges) >= set(block.edge_sets)
+    again = pickle.loads(pickle.dumps(block))
+    assert repr(again) == repr(block) and np.array_equal(again.points, block.points)
+    for suffix in ("inp", "vtu", "vtkhdf"):
+        for m in (block, again):
+            m.write(tmp_path / f"{m is block}.{suffix}")
+        assert (tmp_path / f"True.{suffix}").read_bytes() == (tmp_path / f"False.{suffix}").read_bytes()
+
+
+@needs_block
+def test_mesh_takes_models_too(block: csalf.ModelMesh) -> None:
+    same = csalf.mesh(str(BLOCK), size=5, layers={"hole*": 2})
+    assert isinstance(same, csalf.ModelMesh) and np.array_equal(same.points, block.points)
+    model = csalf.Model(BLOCK)
+    assert len(csalf.mesh(model, size=10).quads) < len(block.quads)
+    with pytest.raises(TypeError, match="points"):
+        csalf.mesh(BLOCK, points=[(0, 0)])
+    with pytest.raises(csalf.SizeError):
+        csalf.mesh(BLOCK, size=-1)
+    with pytest.raises(TypeError):
+        csalf.mesh(BLOCK, size=lambda x, y: x)
+
+
+def test_facets(tmp_path) -> None:
+    mesh = csalf.mesh(boxes(tmp_path / "boxes.stl", 3), size=0.5)
+    assert isinstance(mesh, csalf.ModelMesh) and len(mesh.faces) == 18
+    assert mesh.area.sum() == pytest.approx(18.0)
+    meshio = pytest.importorskip("meshio")
+    m = mesh.to_meshio()
+    assert isinstance(m, meshio.Mesh) and np.array_equal(m.points, mesh.points)
+    assert mesh._repr_html_().startswith("<div")
+
+
+def test_points_counts_and_sizes_by_name(tmp_path) -> None:
+    path = boxes(tmp_path / "boxes.stl", 1)
+    model = csalf.Model(path)
+    mesh = csalf.mesh_model(model, size=0.5, points={"weld": (0.5, 0.5, 1.0)}, face_sizes={model.faces[0][0]: 0.2})
+    assert mesh.points[mesh.node_sets["weld"]] == pytest.approx(np.array([[0.5, 0.5, 1.0]]))
+    fine, coarse = (len(mesh.quad_sets[model.faces[k][0]]) for k in (0, 3))
+    assert fine > 1.5 * coarse
+    fixed = csalf.mesh_model(model, size=0.5, edge_counts={model.edges[0]: 7})
+    assert len(fixed.edge_sets[model.edges[0]]) == 7
+
+
+def test_faces_that_fail_are_told(tmp_path) -> None:
+    path = boxes(tmp_path / "boxes.stl", 2)
+    model = csalf.Model(path)
+    # All edges of the first box have two segments, but for one with three: the faces beside it are odd.
+    counts = {name: 2 for name in model.edges[:12]} | {model.edges[0]: 3}
+    with pytest.raises(csalf.ModelError) as caught:
+        csalf.mesh_model(model, size=0.5, edge_counts=counts)
+    failures = caught.value.failures
+    assert len(failures) == 2 and isinstance(caught.value, csalf.Error)
+    assert failures[0].name in str(failures[0]) and failures[0].message
+    mesh = caught.value.mesh
+    assert isinstance(mesh, csalf.ModelMesh) and set(mesh.face_of_quad) == set(range(12)) - {f.face for f in failures}
+    partial = csalf.mesh_model(model, size=0.5, edge_counts=counts, partial=True)
+    assert np.array_equal(partial.points, mesh.points) and partial.failures == failures
+    assert not partial.check()
+    again = pickle.loads(pickle.dumps(caught.value))
+    assert again.failures == failures and np.array_equal(again.mesh.quads, mesh.quads)
+
+
+def test_files_that_are_no_models(tmp_path) -> None:
+    with pytest.raises(FileNotFoundError):
+        csalf.Model(tmp_path / "none.step")
+    (tmp_path / "bad.step").write_text("nothing")
+    with pytest.raises(csalf.FormatError):
+        csalf.Model(tmp_path / "bad.step")
+    (tmp_path / "part.iges").write_text("")
+    with pytest.raises(ValueError, match=r"\.step, \.stp"):
+        csalf.Model(tmp_path / "part.iges")
+
+
+def test_cancelled(tmp_path) -> None:
+    with pytest.raises(csalf.Cancelled):
+        csalf.mesh_model(boxes(tmp_path / "boxes.stl", 40), size=0.05, threads=1, progress=lambda stage: False)
+
+
+def test_shards(tmp_path) -> None:
+    path = boxes(tmp_path / "boxes.stl", 4)
+    whole = csalf.mesh_model(path, size=0.25)
+    plan = csalf.Model(path)._raw.plan(csalf._model.Wish(size=0.25))
+    shards = [plan.shard(k, 3, 1) for k in (2, 3, 1)]
+    files = [tmp_path / f"{k}.csalf-shard" for k in range(3)]
+    for file, shard in zip(files, shards):
+        file.write_bytes(shard)
+    for given in (shards, files):
+        mesh = csalf.stitch(given)
+        for suffix in ("inp", "vtu"):
+            whole.write(tmp_path / f"a.{suffix}")
+            mesh.write(tmp_path / f"b.{suffix}")
+            assert (tmp_path / f"a.{suffix}").read_bytes() == (tmp_path / f"b.{suffix}").read_bytes()
+    with pytest.raises(csalf.ShardError, match="shard 3 of 3 missing") as caught:
+        csalf.stitch([shards[0], shards[2]])
+    assert len(caught.value.problems) == 1
+    with pytest.raises(csalf.ShardError, match="checksum"):
+        csalf.stitch([shards[0][:-1] + b"?", shards[1], shards[2]])
+    with pytest.raises(csalf.ShardError, match="both shard 1"):
+        csalf.stitch([*shards, shards[2]])
+    with pytest.raises(ValueError, match="no part 4 of 3"):
+        plan.shard(4, 3, 1)
+
+
+@needs_block
+def test_a_picture_in_space(block: csalf.ModelMesh) -> None:
+    plt = pytest.importorskip("matplotlib.pyplot")
+    ax = block.plot()
+    assert ax.name == "3d" and len(ax.collections) == 1
+    block.plot(None, ax=ax)
+    plt.close("all")
