@@ -4,7 +4,9 @@
 //! 2. [`sources`]: every source file opens with a `//!` doc, is not too long, has no unexplained `#[ignore]` and
 //!    no small float literal outside a named constant; no file names a machine's folders.
 //! 3. [`licences`]: everything that is linked has a permissive licence.
+//! 4. [`book`]: every page is in the book, every link leads somewhere.
 
+mod book;
 mod layers;
 mod licences;
 mod scan;
@@ -23,10 +25,11 @@ pub(crate) fn run(root: &Path) -> Outcome {
     let metadata = metadata(root)?;
     let mut findings = layers::check(&metadata);
     findings.extend(licences::check(&metadata));
+    findings.extend(book::check(root)?);
     let (n_files, more) = sources::check(root)?;
     findings.extend(more);
     if findings.is_empty() {
-        say(&format!("tidy: {n_files} source files, layers, licences: all well"));
+        say(&format!("tidy: {n_files} source files, layers, licences, book: all well"));
         return Ok(());
     }
     Err(format!("{}\ntidy: {} findings", findings.join("\n"), findings.len()))
