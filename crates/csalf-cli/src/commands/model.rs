@@ -142,13 +142,7 @@ pub(super) fn write(
         CellData { name: "face".into(), values: meshed.face_of_quad.iter().map(|f| f64::from(*f)).collect() },
         CellData { name: "scaled_jacobian".into(), values: scaled_jacobians(&meshed.mesh) },
     ];
-    let view = MeshView {
-        mesh: &flat,
-        heights: &heights,
-        sets: &meshed.sets,
-        cell_data: &cell_data,
-        title,
-    };
+    let view = MeshView { mesh: &flat, heights: &heights, sets: &meshed.sets, cell_data: &cell_data, title };
     let element = element.map(Into::into).unwrap_or_default();
     let how = csalf_io::WriteOptions { element, ..csalf_io::WriteOptions::default() };
     outputs.iter().try_for_each(|o| files::write_mesh(&view, &how, o))
