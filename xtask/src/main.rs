@@ -11,6 +11,7 @@ mod paper;
 mod reduce;
 mod regress;
 mod schema;
+mod site;
 mod stress;
 mod tidy;
 
@@ -48,6 +49,8 @@ enum Task {
         #[arg(long)]
         check: bool,
     },
+    /// Build the studio as a static site with a WebAssembly engine into target/site
+    Site,
     /// Mesh the paper's experiments and write docs/paper.md with its pictures
     Paper {
         /// Only compare with the committed files
@@ -73,6 +76,7 @@ fn main() -> ExitCode {
         Task::Man { check } => man::run(&root(), check),
         Task::Completions => completions::run(&root()),
         Task::Schema { check } => schema::run(&root(), check),
+        Task::Site => site::run(&root()),
         Task::Paper { check } => paper::run(&root(), check),
         Task::Stress(args) => stress::run(&root(), &args),
         Task::FuzzModels(args) => fuzz::run(&root(), &args),

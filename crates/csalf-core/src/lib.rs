@@ -3,6 +3,7 @@
 
 mod certify;
 mod cleaning;
+mod clock;
 pub mod error;
 pub mod job;
 mod mend;

@@ -8,6 +8,7 @@
 
 use crate::certify::certify;
 use crate::cleaning::{CleanTask, clean};
+use crate::clock;
 use crate::region::{Curves, LayerRules, RegionResult, mesh_region};
 use crate::triad::{FALLBACK, Filled, Triad};
 use crate::{Job, LoopReport, MeshError, MeshReport, Meshed, Method, Options, Preset, Warning, Watch};
@@ -22,29 +23,29 @@ use csalf_tfi::{TfiRules, Transfinite};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use std::time::Instant;
 
 /// Measures the stages of one run and tells them to the caller.
 struct Stopwatch<'a> {
     watch: &'a dyn Watch,
-    start: Instant,
-    last: Instant,
+    /// Seconds of [`clock::now`].
+    start: f64,
+    last: f64,
     current: &'static str,
     stages: Vec<(&'static str, f64)>,
 }
 
 impl<'a> Stopwatch<'a> {
     fn new(watch: &'a dyn Watch) -> Self {
-        let now = Instant::now();
+        let now = clock::now();
         Self { watch, start: now, last: now, current: "", stages: Vec::new() }
     }
 
     /// Ends the stage that runs.
     fn end(&mut self) {
-        let (stage, now) = (self.current, Instant::now());
+        let (stage, now) = (self.current, clock::now());
         if !stage.is_empty() {
-            self.stages.push((stage, (now - self.last).as_secs_f64()));
-            tracing::info!(stage, seconds = (now - self.last).as_secs_f64(), "done");
+            self.stages.push((stage, now - self.last));
+            tracing::info!(stage, seconds = now - self.last, "done");
         }
         self.last = now;
     }
@@ -170,7 +171,7 @@ fn mesh_once(job: &Job, attempt: &Attempt, watch: &dyn Watch) -> Result<Meshed, 
     certify(&mesh, &topology, &arrangement, !attempt.clean)?;
     stages.end();
 
-    report.timing.wall_s = stages.start.elapsed().as_secs_f64();
+    report.timing.wall_s = clock::now() - stages.start;
     report.timing.stages = stages.stages;
     Ok(Meshed { sets, mesh, report })
 }

@@ -19,7 +19,7 @@ pub const POLICY: &str = "default-src 'none'; script-src 'self' 'wasm-unsafe-eva
 const SCRIPT: &str = "text/javascript; charset=utf-8";
 
 /// All files; the first is the page itself.
-pub const ASSETS: [Asset; 9] = [
+pub const ASSETS: [Asset; 10] = [
     Asset { name: "index.html", kind: "text/html; charset=utf-8", text: include_str!("../page/index.html") },
     Asset { name: "studio.css", kind: "text/css; charset=utf-8", text: include_str!("../page/studio.css") },
     Asset { name: "main.js", kind: SCRIPT, text: include_str!("../page/main.js") },
@@ -29,6 +29,8 @@ pub const ASSETS: [Asset; 9] = [
     Asset { name: "view.js", kind: SCRIPT, text: include_str!("../page/view.js") },
     Asset { name: "tools.js", kind: SCRIPT, text: include_str!("../page/tools.js") },
     Asset { name: "panel.js", kind: SCRIPT, text: include_str!("../page/panel.js") },
+    // Of a static site alone: the engine in the browser.
+    Asset { name: "worker.js", kind: SCRIPT, text: include_str!("../page/worker.js") },
 ];
 
 /// The file of this name; the page itself for the empty one.

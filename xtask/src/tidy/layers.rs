@@ -1,7 +1,7 @@
 //! Who may import whom: strictly downward, never sideways.
 //!
 //! ```text
-//!   9  py
+//!   9  py  wasm
 //!   8  cli                             bench and xtask stand above, the testkit beside the tower:
 //!   7  step     studio
 //!   6  model
@@ -19,7 +19,7 @@ use super::{list, text};
 use serde_json::Value;
 
 /// The layer of each crate of ours.
-const LAYERS: [(&str, u32); 18] = [
+const LAYERS: [(&str, u32); 19] = [
     ("csalf-geom", 0),
     ("csalf-sizemap", 1),
     ("csalf-mesh", 2),
@@ -36,6 +36,7 @@ const LAYERS: [(&str, u32); 18] = [
     ("csalf-studio", 7),
     ("csalf-cli", 8),
     ("csalf-py", 9),
+    ("csalf-wasm", 9),
     ("csalf-bench", 9),
     ("xtask", 10),
 ];

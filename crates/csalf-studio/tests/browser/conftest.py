@@ -1,9 +1,11 @@
 """A studio and a headless Chromium for the tests; without Chromium or selenium they are skipped."""
 
+import http.server
 import os
 import shutil
 import subprocess
 import tempfile
+import threading
 import urllib.request
 from pathlib import Path
 
@@ -44,6 +46,26 @@ def studio():
     yield start
     for one in running:
         one.stop()
+
+
+@pytest.fixture
+def site():
+    """The static site, served; skipped where `cargo xtask site` has not made it."""
+    folder = ROOT / "target" / "site"
+    if not (folder / "csalf.wasm").exists():
+        pytest.skip("no target/site")
+
+    class Quiet(http.server.SimpleHTTPRequestHandler):
+        def __init__(self, *args):
+            super().__init__(*args, directory=str(folder))
+
+        def log_message(self, *args):
+            pass
+
+    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Quiet)
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    yield f"http://127.0.0.1:{server.server_port}/"
+    server.shutdown()
 
 
 @pytest.fixture(scope="session")

@@ -272,3 +272,31 @@ def test_phone(browser, studio):
     page.until(lambda: page.ask("studio.view.s") > 1.5 * s)
     browser.execute_script("window.scrollTo(0, 1e6)")
     page.picture("phone-below")
+
+
+def test_the_static_site_needs_no_server(browser, site, studio, tmp_path, downloads):
+    path = job_file(tmp_path, plate((0.5, 0.25)))
+    served = Page(browser, studio(path)).meshed()
+    page = Page(browser, site)
+    page.find("file").send_keys(str(path))
+    page.until(lambda: page.ask("studio.model.doc.job.name") == "plate" and page.meshed())
+    assert page.quads == served
+    page.find("example").click() if page.find("hint").is_displayed() else page.fill("size", "0.1")
+    page.until(lambda: page.meshed() > served)
+    print(f"in WebAssembly: {page.quads} quads: {page.data('times')}")
+    Select(page.find("format")).select_by_value("bdf")
+    page.find("export").click()
+    page.until((downloads / "plate.bdf").exists)
+    page.until(lambda: "plate.bdf saved" in page.find("status").text)
+    drawing = tmp_path / "ring.dxf"
+    lines = ["0", "SECTION", "2", "ENTITIES", "0", "CIRCLE", "8", "0", "10", "0", "20", "0", "40", "3", "0", "ENDSEC", "0", "EOF"]
+    drawing.write_text("\n".join(lines) + "\n")
+    page.find("file").send_keys(str(drawing))
+    page.until(lambda: page.ask("studio.model.doc.job.name") == "ring" and page.meshed())
+    wrong = tmp_path / "wrong.json"
+    wrong.write_text("{")
+    page.find("file").send_keys(str(wrong))
+    page.until(lambda: "wrong.json" in page.find("status").text)
+    page.picture("site")
+    names = page.ask("performance.getEntriesByType('resource').map((r) => r.name)")
+    assert all(n.startswith(site) for n in names if not n.startswith("blob:"))
