@@ -126,7 +126,7 @@ export class Panel {
   /** What became of the layers of the selected loop. */
   made() {
     const name = this.model.selected?.loop, l = this.view.reply?.layers?.find((l) => l.name === name);
-    $("made").textContent = !l ? "" : l.made < l.asked ? `${l.made} of ${l.asked} layers made: ${l.stopped}`
+    $("made").textContent = !l ? "" : l.made < l.asked ? `${l.made} of ${l.asked} layers made${l.stopped && `: ${l.stopped}`}`
       : l.asked ? `${l.made} layers made, thickness within ${(100 * l.thickness_error).toFixed(2)} %` : "no layers";
     $("made").className = l && l.made < l.asked ? "less" : "";
   }

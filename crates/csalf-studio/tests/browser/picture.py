@@ -15,7 +15,7 @@ def test_picture(browser, studio):
     page = Page(browser, studio())
     page.find("example").click()
     page.meshed()
-    page.click(3, 1.5)
+    page.click(-4, -2)
     page.until(lambda: "layers made" in page.find("made").text)
     browser.save_screenshot(WHERE)
 
