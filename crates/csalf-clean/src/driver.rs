@@ -7,7 +7,7 @@
 //! 4. Next pass, at most [`PASSES`].
 
 use crate::ops::{CleanOp, Doublet, Edit, Singlet, Site};
-use crate::smooth::{FinishReport, SmoothOptions, finish};
+use crate::smooth::{FinishReport, SmoothOptions, finish, smooth};
 use csalf_geom::VertexId;
 use csalf_mesh::{QuadMesh, QuadTopology, quality::Corners, quality::FLAT};
 use csalf_sizemap::SizeField;
@@ -57,6 +57,8 @@ pub fn repair(
     let mut kept = sorted(kept.iter().copied());
     // Set when no mandatory change can be made: the others may still help.
     let mut stuck = false;
+    // Set when the untangler has failed. Mandatory changes do not need its help, and it is tried again at the end.
+    let mut tangled = false;
     for _ in 0..PASSES {
         let site = Site { mesh, topology: &topology, fixed, kept: &kept };
         let found: Vec<(usize, Edit)> = ops
@@ -78,7 +80,11 @@ pub fn repair(
         let edits: Vec<&Edit> = chosen.iter().map(|(_, e)| e).collect();
         let (vertices, quads) = apply(mesh, fixed, protected, &edits);
         topology = QuadTopology::new(mesh.n_vertices(), &mesh.quads);
-        finish(mesh, &topology, fixed, size, options);
+        if forced && tangled {
+            smooth(mesh, &topology, fixed, size, options);
+        } else {
+            tangled = !finish(mesh, &topology, fixed, size, options).untangle.is_positive();
+        }
         if !forced && worse(worst(mesh), worst_before) {
             (*mesh, *fixed, *protected, topology) = before;
             break;
@@ -136,7 +142,7 @@ fn choose(
 
 /// Makes the changes, drops vertices that lost their last quad, and returns the new numbers of vertices and
 /// quads.
-fn apply(
+pub(crate) fn apply(
     mesh: &mut QuadMesh,
     fixed: &mut Vec<bool>,
     protected: &mut Vec<bool>,
@@ -201,7 +207,7 @@ fn numbers(kept: &[bool]) -> Vec<u32> {
 }
 
 /// First `map`, then `then`.
-fn compose(map: &mut Vec<u32>, then: &[u32]) {
+pub(crate) fn compose(map: &mut Vec<u32>, then: &[u32]) {
     if map.is_empty() {
         map.extend_from_slice(then);
         return;

@@ -6,8 +6,11 @@
 
 use crate::mend::{MendReport, MendTask, mend};
 use crate::{Method, Options, Preset};
+use csalf_clean::reshape::POOR;
 use csalf_clean::smooth::{SmoothOptions, smooth};
-use csalf_clean::{CavityRules, CavityTask, REMOVED, finish, refill_cavities, repair};
+use csalf_clean::{
+    CavityRules, CavityTask, REMOVED, ReshapeTask, finish, lift, refill_cavities, repair, reshape,
+};
 use csalf_geom::VertexId;
 use csalf_geom::arrangement::Arrangement;
 use csalf_mesh::{NamedSets, QuadMesh, QuadTopology, quality::Corners};
@@ -49,6 +52,13 @@ const RESCUE: SmoothOptions = SmoothOptions {
     floor: 0.0,
     ..SmoothOptions::DEFAULT
 };
+
+/// Rings of quads around poor ones that move with them at the very end.
+const LIFT_RINGS: usize = 3;
+
+/// After that: shapes and sizes again, as far as no corner gets worse that is not good. (A floor of 0.4 in place of 0.8
+/// lets sizes win: 0.02 less of the mean on a ragged outline.)
+const AFTER_LIFT: SmoothOptions = SmoothOptions { threshold: 0.8, rings: 2, ..POLISH };
 
 /// What cleaning reads.
 #[derive(Clone, Copy, Debug)]
@@ -105,6 +115,13 @@ pub(crate) fn clean(
             }
         }
         fixed = still;
+        let mut of_layer = vec![false; mesh.n_quads()];
+        for q in (0..protected.len()).filter(|&q| protected[q]) {
+            if let Some(p) = of_layer.get_mut(cleaned.quads.get(q).map_or(q, |&r| r as usize)) {
+                *p = true;
+            }
+        }
+        protected = of_layer;
         if cleaned.taken > 0 {
             topology = QuadTopology::new(mesh.n_vertices(), &mesh.quads);
         }
@@ -114,6 +131,17 @@ pub(crate) fn clean(
     } else {
         smooth(mesh, &topology, &fixed, size, &RESCUE);
     }
+    let task = ReshapeTask { kept: &kept, size, tolerance: arrangement.tolerance };
+    let mut n_lifted = lift(mesh, &topology, &fixed, POOR, LIFT_RINGS);
+    let reshaped = reshape(mesh, &mut topology, &mut fixed, &mut protected, &task);
+    renumber(sets, &reshaped.quads);
+    if reshaped.taken > 0 {
+        n_lifted += lift(mesh, &topology, &fixed, POOR, LIFT_RINGS);
+    }
+    if n_lifted + reshaped.taken > 0 {
+        smooth(mesh, &topology, &fixed, size, &AFTER_LIFT);
+    }
+    tracing::info!(seeds = reshaped.n_seeds, tried = reshaped.tried, taken = reshaped.taken, "reshaped");
     // Whatever smoothing made flat or brought together. Layers lose their protection, whose numbers are not known here.
     let last = mend(mesh, &mut topology, &mut fixed, &mut Vec::new(), sets, &mending);
     mended.add(&last);

@@ -435,9 +435,8 @@ impl<'a> Recursion<'a> {
         best.map(|b| b.1)
     }
 
-    /// Φ of a split and what `judge` thinks of its children (left 0, right 1), by their share of nodes. `judge`
-    /// thinks no better than `least` of a child of more than four nodes: as soon as the sum must reach `bar`, no more
-    /// is judged.
+    /// Φ of a split and what `judge` thinks of its children (left 0, right 1), by their share of nodes. `judge` thinks no
+    /// better than `least` of a child of more than four nodes: as soon as the sum must reach `bar`, no more is judged.
     fn both(
         &mut self,
         contour: &[u32],
@@ -459,7 +458,7 @@ impl<'a> Recursion<'a> {
         let mark = self.nodes.points.len();
         let (mut line, mut child) = (std::mem::take(&mut self.line), std::mem::take(&mut self.child));
         place(&self.view, split, &mut self.nodes, self.size, &mut self.hint, &mut line);
-        for (side, share) in share.into_iter().enumerate() {
+        for side in 0..2 {
             if score + rest >= bar {
                 break;
             }
@@ -470,7 +469,7 @@ impl<'a> Recursion<'a> {
                 right_child(contour, split, &line, &mut child);
             }
             debug_assert_eq!(child.len(), if side == 0 { n_left } else { n_right }, "the line has two sides");
-            score += share * judge(self, &child, side);
+            score += share[side] * judge(self, &child, side);
             rest = if side == 0 { base[1] } else { 0.0 };
         }
         self.nodes.truncate(mark);

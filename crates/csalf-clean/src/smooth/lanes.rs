@@ -1,5 +1,4 @@
-//! Four numbers at a time. Every operation is that of IEEE 754 on each number, so the bits are the same on all
-//! machines.
+//! Four numbers at a time. Every operation is that of IEEE 754 on each number, so the bits are the same on all machines.
 
 use std::ops::{Add, Mul, Sub};
 use wide::f64x4;

@@ -15,6 +15,7 @@ mod energy;
 mod lanes;
 mod laplace;
 mod lbfgs;
+mod lift;
 mod optimise;
 mod region;
 mod sweep;
@@ -30,6 +31,7 @@ use rayon::prelude::*;
 use region::{PARALLEL_FROM, Region, Scratch, grow};
 use sweep::Sweeps;
 
+pub use lift::lift;
 pub use region::Boxes;
 pub use untangle::{UntangleReport, untangle};
 

@@ -225,7 +225,7 @@ fn boxes_keep_layers() {
     shake(&mut mesh, 0.06, 8);
     let t = topology(&mesh);
     let options = SmoothOptions { threshold: 2.0, sweeps: 40, ..SmoothOptions::default() };
-    let boxes = |q: QuadId| (q.0 < 48).then_some([1.0, 0.25]);
+    let boxes = |q: csalf_geom::QuadId| (q.0 < 48).then_some([1.0, 0.25]);
     let off =
         |m: &QuadMesh| m.points.iter().zip(&drawn.points).map(|(a, b)| a.distance(*b)).fold(0.0, f64::max);
     let mut boxed = mesh.clone();
@@ -380,4 +380,24 @@ proptest! {
             prop_assert!(base.points.iter().zip(&moved.points).all(|(a, b)| (*a + o).distance(*b) < 1e-6));
         }
     }
+}
+
+/// Beside a fixed vertex close to the wall the energies of shape and size stop early; angles can do better.
+#[test]
+fn lifting_raises_the_worst_corner_and_nothing_else_moves() {
+    let mut mesh = grid(20, 8);
+    let near = 4 * 21 + 10;
+    mesh.points[near] = Point2::new(10.4, 0.3);
+    let mut fixed = vec![false; mesh.n_vertices()];
+    fixed[near] = true;
+    let t = topology(&mesh);
+    finish(&mut mesh, &t, &fixed, &Uniform(1.0), &SmoothOptions::default());
+    let min = |m: &QuadMesh| QualityReport::new(m, None, None).min_sj;
+    let (before, old) = (min(&mesh), mesh.clone());
+    assert!(before > 0.0);
+    assert!(lift(&mut mesh, &t, &fixed, 0.9, 3) > 0);
+    assert!(min(&mesh) > 1.2 * before, "{} {before}", min(&mesh));
+    assert_eq!(mesh.points[near], old.points[near]);
+    assert!((0..mesh.n_vertices()).all(|v| !t.on_boundary[v] || mesh.points[v] == old.points[v]));
+    assert_eq!(lift(&mut mesh.clone(), &t, &fixed, 0.0, 3), 0);
 }
