@@ -40,7 +40,7 @@ fn frozen_edges_keep_their_counts_and_odd_faces_are_told() {
     let m = plate();
     let bottom: Vec<usize> =
         m.faces[m.faces.len() - 2].loops.iter().flat_map(|l| &l.uses).map(|u| u.edge).collect();
-    let mut limits = Limits { least: Vec::new(), frozen: vec![None; m.edges.len()] };
+    let mut limits = Limits { frozen: vec![None; m.edges.len()], ..Limits::default() };
     limits.frozen[bottom[0]] = Some(7);
     let p = plan(&m, &SizeRules::of(0.3), &limits);
     assert_eq!(p.edges[bottom[0]].count(), 7);
