@@ -112,6 +112,28 @@ pub enum FallbackError {
 /// A [`FallbackError`] if the contour is not a valid even one.
 pub fn fill(contour: &Contour, _tolerance: Tolerance) -> Result<Patch, FallbackError> {
     check(contour)?;
+    // Spade compares some squared lengths with a constant: without this, the scale of a contour would matter.
+    let unit = unit(&contour.points);
+    let scaled = Contour {
+        points: contour.points.iter().map(|&p| p * unit).collect(),
+        sizes: contour.sizes.iter().map(|h| h * unit).collect(),
+        ..contour.clone()
+    };
+    let mut patch = fill_scaled(&scaled)?;
+    patch.points.iter_mut().for_each(|p| *p /= unit);
+    Ok(patch)
+}
+
+/// The power of two that brings the largest coordinate to 1 to 2; multiplying by it rounds nothing.
+fn unit(points: &[Point2]) -> f64 {
+    const EXPONENT: i32 = 1023;
+    let largest = points.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
+    let exponent = (largest.to_bits() >> 52) as i32 - EXPONENT;
+    2f64.powi((-exponent).min(EXPONENT))
+}
+
+/// [`fill`] of a checked contour with coordinates of about 1.
+fn fill_scaled(contour: &Contour) -> Result<Patch, FallbackError> {
     if let Some(patch) = by_stencil(contour) {
         return Ok(patch);
     }

@@ -125,6 +125,16 @@ proptest! {
     }
 }
 
+/// Found by the property below: at 2^-19 a squared length met a constant of spade's.
+#[test]
+fn a_small_polygon_is_filled_like_a_large_one() {
+    let a = two_opt(1_120_377_361_331_635_019, 24);
+    let quads = |f: f64| certify(&ring(&a.iter().map(|&q| q * f).collect::<Vec<_>>())).map(|p| p.quads);
+    let whole = quads(1.0);
+    assert!(whole.is_ok());
+    assert!([-16, -19, -30, 19].iter().all(|&e| quads(2f64.powi(e)) == whole));
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]
 
