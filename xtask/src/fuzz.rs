@@ -124,6 +124,7 @@ fn lock<T>(m: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
 }
 
 /// Says how far it is, and ends the program if a try hangs.
+#[allow(clippy::exit, reason = "a worker that hangs cannot be stopped in another way")]
 fn watch(
     args: &FuzzArgs,
     running: &[Mutex<Option<(u64, Instant)>>],

@@ -28,6 +28,9 @@ const ENDS: [[usize; 2]; 4] = [[0, 1], [1, 2], [3, 2], [0, 3]];
 /// Where an edge lies: element and side, from 1; the side is negative if it runs against the edge.
 type Beside = [i64; 2];
 
+/// An edge while all are collected: the element and side that come to it first, its ends, and what lies beside it.
+type Found = ((usize, usize), [u32; 2], [Beside; 2]);
+
 /// Writes a mesh.
 ///
 /// # Errors
@@ -97,7 +100,7 @@ fn edges(quads: &[[VertexId; 4]]) -> Vec<([u32; 2], [Beside; 2])> {
         }
     }
     uses.sort_unstable();
-    let mut edges: Vec<((usize, usize), [u32; 2], [Beside; 2])> = Vec::new();
+    let mut edges: Vec<Found> = Vec::new();
     let ends = |i: usize, k: usize| ENDS[k].map(|c| quads[i][c].0);
     let mut rest = uses.as_slice();
     while let [(a, b, i, k), tail @ ..] = rest {

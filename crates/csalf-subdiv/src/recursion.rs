@@ -458,7 +458,7 @@ impl<'a> Recursion<'a> {
         let mark = self.nodes.points.len();
         let (mut line, mut child) = (std::mem::take(&mut self.line), std::mem::take(&mut self.child));
         place(&self.view, split, &mut self.nodes, self.size, &mut self.hint, &mut line);
-        for side in 0..2 {
+        for (side, share) in share.into_iter().enumerate() {
             if score + rest >= bar {
                 break;
             }
@@ -469,7 +469,7 @@ impl<'a> Recursion<'a> {
                 right_child(contour, split, &line, &mut child);
             }
             debug_assert_eq!(child.len(), if side == 0 { n_left } else { n_right }, "the line has two sides");
-            score += share[side] * judge(self, &child, side);
+            score += share * judge(self, &child, side);
             rest = if side == 0 { base[1] } else { 0.0 };
         }
         self.nodes.truncate(mark);

@@ -79,7 +79,7 @@ fn disk(site: &Site<'_>, quads: Vec<u32>) -> Option<Cavity> {
     }
     let n = edges.len();
     edges.sort_unstable();
-    if n > MAX_RIM || n < 4 || edges.windows(2).any(|w| w[0].0 == w[1].0) {
+    if !(4..=MAX_RIM).contains(&n) || edges.windows(2).any(|w| w[0].0 == w[1].0) {
         return None;
     }
     let mut rim = vec![edges[0].0];
