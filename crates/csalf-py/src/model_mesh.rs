@@ -242,8 +242,9 @@ impl ModelMesh {
 
     /// What is wrong with the mesh, in words.
     fn findings(&self, py: Python<'_>) -> Vec<String> {
-        let bad =
-            py.detach(|| metrics::scaled_jacobians(self.surface()).iter().filter(|q| !(**q > 0.0)).count());
+        let bad = py.detach(|| {
+            metrics::scaled_jacobians(self.surface()).iter().filter(|q| q.is_nan() || **q <= 0.0).count()
+        });
         let mut out: Vec<String> = self
             .mesh
             .failures

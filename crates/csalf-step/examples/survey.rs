@@ -4,6 +4,8 @@
 //! `cargo run --release -p csalf-step --example survey -- SIZES FILE...`: sizes are shares of the diagonal, separated by
 //! commas (`0.025,0.01`); files are `.step`, `.stl`, `.obj`, `.ply`, or `panel:NxM` for the panel of the benches.
 
+#![allow(clippy::print_stdout, reason = "a program")]
+
 use csalf_geom::QuadId;
 use csalf_io::facets::{FacetFormat, read as read_facets};
 use csalf_model::brep::{FaceShape, Model};

@@ -225,7 +225,7 @@ fn boxes_keep_layers() {
     shake(&mut mesh, 0.06, 8);
     let t = topology(&mesh);
     let options = SmoothOptions { threshold: 2.0, sweeps: 40, ..SmoothOptions::default() };
-    let boxes = |q: csalf_geom::QuadId| (q.0 < 48).then_some([1.0, 0.25]);
+    let boxes = |q: QuadId| (q.0 < 48).then_some([1.0, 0.25]);
     let off =
         |m: &QuadMesh| m.points.iter().zip(&drawn.points).map(|(a, b)| a.distance(*b)).fold(0.0, f64::max);
     let mut boxed = mesh.clone();
