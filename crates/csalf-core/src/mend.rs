@@ -36,6 +36,9 @@ const FALLBACK_FROM: usize = 4;
 const PROTECTED_FROM: usize = 8;
 /// Before [`FALLBACK_FROM`] no quad may be worse than this (scaled Jacobian).
 const LEAST_SJ: f64 = 0.02;
+/// Where subdivision makes more quads than this for each node of the rim, it has gone astray (nodes nearly in one place,
+/// split into ever smaller contours), and the guaranteed fallback is asked, too. *Arbitrary.*
+const MOST: usize = 10;
 
 const NONE: u32 = QuadTopology::NONE;
 
@@ -322,7 +325,6 @@ fn fill(
     let shown = Contour { ids: contour.first_occurrences(), ..contour.clone() };
     let region = RegionTask { contour: &shown, size: task.size, tolerance: task.tolerance };
     let strict = Subdivision::new(SplitRules::QUALITY).with_seam(usize::MAX);
-    let members: [&dyn RegionMesher; 2] = [&strict, &Fallback];
     let good = |patch: &Patch| {
         let mut quads = patch.quads.iter().map(|q| q.map(|v| patch.point(&shown, v)));
         let poor = |p: &[Point2; 4]| !at_any_price && Corners::new(p).min_scaled() < LEAST_SJ;
@@ -330,7 +332,14 @@ fn fill(
             && (at_any_price || patch.n_fallbacks == 0)
             && quads.all(|p| !is_bad(&p, task.tolerance) && !poor(&p))
     };
-    let patch = members.iter().find_map(|m| m.mesh(&region).ok().filter(good))?;
+    let by = |m: &dyn RegionMesher| m.mesh(&region).ok().filter(good);
+    let patch = match by(&strict) {
+        Some(patch) if !at_any_price || patch.quads.len() <= MOST * contour.len() => patch,
+        many if at_any_price => {
+            many.into_iter().chain(by(&Fallback)).min_by_key(|patch| patch.quads.len())?
+        }
+        _ => return None,
+    };
     let n_mesh = ids.len() as u32;
     // Bridge nodes are new vertices: the first of them is NONE - 1, and so on downwards.
     let names = contour

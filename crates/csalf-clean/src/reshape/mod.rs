@@ -35,9 +35,9 @@ const PASSES: usize = 8;
 /// Below this more is tried.
 const BAD: f64 = 0.12;
 /// Trials per seed and pass, for bad ones and for others.
-const TRIALS: (usize, usize) = (12, 5);
+const TRIALS: (usize, usize) = (8, 4);
 /// Trials in all: so many, and one for so many quads more.
-const ALL_TRIALS: (usize, usize) = (600, 20);
+const ALL_TRIALS: (usize, usize) = (300, 60);
 
 /// What may be changed.
 #[derive(Clone, Copy, Debug)]

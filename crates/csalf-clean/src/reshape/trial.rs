@@ -3,7 +3,7 @@
 use super::cavity::{Cavity, around};
 use super::{POOR, ReshapeTask};
 use crate::ops::{Disk, Edit, Site, disks};
-use crate::smooth::{SmoothOptions, lift, untangle};
+use crate::smooth::{DOUBLINGS, Effort, SmoothOptions, TRIAL_ITERATIONS, lift_by, untangle_with};
 use csalf_geom::angle::interior_angle;
 use csalf_geom::{Point2, VertexId};
 use csalf_mesh::quality::{Corners, FLAT};
@@ -24,6 +24,8 @@ const ENOUGH: f64 = 1.2 * POOR;
 const GAIN: f64 = 1.05;
 /// See [`GAIN`].
 const EQUAL: f64 = 0.99;
+/// A layout whose smallest scaled Jacobian is below this part of the smallest before is given up half-way. *Arbitrary.*
+const BEHIND: f64 = 0.6;
 
 /// A change that was found good.
 #[derive(Clone, Debug)]
@@ -91,7 +93,7 @@ pub(super) fn best(
         }
         seen.push(key);
         out.tried += 1;
-        if let Some((after, change)) = local.solve(site, cavity, disk, task)
+        if let Some((after, change)) = local.solve(site, cavity, disk, before, task)
             && is_better(&after, before)
             && best.as_ref().is_none_or(|b| is_better(&after, b))
         {
@@ -217,6 +219,7 @@ impl Local {
         site: &Site<'_>,
         cavity: &Cavity,
         disk: &Disk,
+        before: &[f64],
         task: &ReshapeTask<'_>,
     ) -> Option<(Vec<f64>, Change)> {
         let n_rim = cavity.rim.len();
@@ -242,11 +245,20 @@ impl Local {
         fixed.resize(mesh.n_vertices(), false);
         if corners(&mesh).any(|p| Corners::new(&p).min_scaled() <= FLAT) {
             let options = SmoothOptions::default();
-            if !untangle(&mut mesh, &topology, &fixed, task.size, &options).is_positive() {
+            let effort = &Effort::TRIAL;
+            if !untangle_with(&mut mesh, &topology, &fixed, task.size, &options, effort).is_positive() {
                 return None;
             }
         }
-        lift(&mut mesh, &topology, &fixed, ENOUGH, WHOLE);
+        let lift = |mesh: &mut QuadMesh, doublings: &[u32]| {
+            lift_by(mesh, &topology, &fixed, ENOUGH, WHOLE, (doublings, TRIAL_ITERATIONS));
+            corners(mesh).map(|p| Corners::new(&p).min_scaled()).fold(1.0, f64::min)
+        };
+        // What is far behind after the first power does not win by the others.
+        if lift(&mut mesh, &DOUBLINGS[..1]) < BEHIND * before.first().copied().unwrap_or(0.0) {
+            return None;
+        }
+        lift(&mut mesh, &DOUBLINGS[1..]);
         let merge = task.tolerance.merge();
         let apart = |p: [Point2; 4]| (0..4).all(|k| p[k].distance(p[(k + 1) & 3]) > 4.0 * merge);
         if !corners(&mesh).all(apart) || csalf_mesh::certify(&mesh.points, &mesh.quads).is_some() {

@@ -20,16 +20,18 @@ use csalf_geom::Point2;
 use csalf_mesh::{QuadMesh, QuadTopology};
 use rayon::prelude::*;
 
-/// Halves of the powers, one after the other: the larger, the nearer to the smallest sine. Starting with the last ends
-/// in worse minima.
-const HALF_POWERS: [i32; 3] = [2, 4, 8];
+/// Times that the power is doubled, one after the other: p is 4, 8, 16. The larger, the nearer to the smallest sine.
+/// Starting with the last ends in worse minima.
+pub(crate) const DOUBLINGS: [u32; 3] = [1, 2, 3];
 
 /// Share of the shape. Larger: shorter quads, worse corners; 0: edges vanish. *Arbitrary.*
 const SHAPE: f64 = 1e-3;
 
-/// Most L-BFGS iterations per power, and the relative decrease at which it ends.
+/// Most L-BFGS iterations per power, for the mesh itself and for a trial.
 const ITERATIONS: usize = 80;
 /// See [`ITERATIONS`].
+pub(crate) const TRIAL_ITERATIONS: usize = 30;
+/// The relative decrease at which L-BFGS ends.
 const STOP: f64 = 1e-4;
 
 /// Lifts the corners whose sine is at most `threshold`, moving free vertices within `rings` around them. Boundary vertices
@@ -41,6 +43,18 @@ pub fn lift(
     fixed: &[bool],
     threshold: f64,
     rings: usize,
+) -> usize {
+    lift_by(mesh, topology, fixed, threshold, rings, (&DOUBLINGS, ITERATIONS))
+}
+
+/// [`lift`], by these [`DOUBLINGS`] of so many iterations.
+pub(crate) fn lift_by(
+    mesh: &mut QuadMesh,
+    topology: &QuadTopology,
+    fixed: &[bool],
+    threshold: f64,
+    rings: usize,
+    (doublings, iterations): (&[u32], usize),
 ) -> usize {
     let mut seeds = bad_quads(mesh, threshold);
     if seeds.is_empty() {
@@ -64,7 +78,7 @@ pub fn lift(
         .iter()
         .map(|free| Region::new(mesh, topology, free, &mut scratch))
         .collect();
-    let better: Vec<bool> = parts.par_iter_mut().map(solve).collect();
+    let better: Vec<bool> = parts.par_iter_mut().map(|p| solve(p, doublings, iterations)).collect();
     for (part, _) in parts.iter().zip(&better).filter(|(_, b)| **b) {
         part.write_back(mesh);
     }
@@ -79,7 +93,7 @@ fn sine(p: Point2, n: Point2, b: Point2) -> f64 {
 }
 
 /// Lifts one part; false if that did not succeed.
-fn solve(part: &mut Region) -> bool {
+fn solve(part: &mut Region, doublings: &[u32], iterations: usize) -> bool {
     let corners = movable(part);
     let start = worst(part, &corners, &part.points[..part.n_free]);
     if start <= 0.0 {
@@ -93,10 +107,10 @@ fn solve(part: &mut Region) -> bool {
             .iter()
             .map(|q| part.points[q[0] as usize].distance(part.points[q[2] as usize]))
             .sum::<f64>();
-    for half in HALF_POWERS {
+    for &doublings in doublings {
         let s0 = worst(part, &corners, &x);
-        lbfgs::minimise(&mut x, ITERATIONS, 0.1 * length * s0, STOP, |x, g| {
-            energy(part, &corners, x, s0, half, g)
+        lbfgs::minimise(&mut x, iterations, 0.1 * length * s0, STOP, |x, g| {
+            energy(part, &corners, x, s0, doublings, g)
         });
         let now = worst(part, &corners, &x);
         if now > best {
@@ -127,7 +141,7 @@ fn energy(
     corners: &[[u32; 3]],
     x: &[Point2],
     s0: f64,
-    half: i32,
+    doublings: u32,
     gradient: &mut [Point2],
 ) -> f64 {
     gradient.fill(Point2::ZERO);
@@ -141,11 +155,11 @@ fn energy(
             return f64::INFINITY;
         }
         let (le, lf, r) = (e.length_squared(), f.length_squared(), d.recip());
-        let power = (s0 * s0 * le * lf * r * r).powi(half);
+        let power = (0..doublings).fold(s0 * s0 * le * lf * r * r, |square, _| square * square);
         let shape = SHAPE * s0 * 0.5 * (le + lf) * r;
         value += power + shape;
         // By D, then by the edges.
-        let m = 2.0 * f64::from(half) * power;
+        let m = f64::from(2u32 << doublings) * power;
         let by_d = -(m + shape) * r;
         let by = |l: f64| m / l + SHAPE * s0 * r;
         let ge = by(le) * e + by_d * Point2::new(f.y, -f.x);

@@ -13,7 +13,10 @@
 //! 3. [`Region::new`]: local copy, targets and colours.
 
 use csalf_geom::{Point2, QuadId, VertexId, angle::interior_angle};
-use csalf_mesh::{QuadMesh, QuadTopology, quality::Corners};
+use csalf_mesh::{
+    QuadMesh, QuadTopology,
+    quality::{Corners, FLAT},
+};
 use csalf_sizemap::{Hint, SizeField};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -289,6 +292,11 @@ impl Region {
         }
         let parts = (0..n).into_par_iter().with_min_len(1024);
         parts.map(of).reduce(|| f64::INFINITY, f64::min)
+    }
+
+    /// True if a corner of quad `q` is concave or flat.
+    pub(crate) fn is_bad(&self, q: usize) -> bool {
+        Corners::new(&self.corners(q)).min_scaled() <= FLAT
     }
 
     /// Greedy colouring in the order of the local ids. A vertex that finds no colour among 64 (valence over
