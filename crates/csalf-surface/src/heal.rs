@@ -31,8 +31,10 @@ const RINGS: [usize; 4] = [2, 3, 4, 1];
 const GAIN: f64 = 0.05;
 /// Most rounds.
 const ROUNDS: usize = 3;
-/// Most regions tried per round: bounds the time on hopeless meshes.
+/// Most regions tried per round, and most seeds tried in vain: bounds the time on hopeless meshes.
 const TRIALS: usize = 300;
+/// See [`TRIALS`].
+const IN_VAIN: usize = 50;
 
 /// A region meshed anew: quads that go, and the quads that come, with new vertices counted from the end of
 /// the sheet.
@@ -51,7 +53,7 @@ pub(crate) fn heal(
     n_given: usize,
     out: &mut FaceMesh,
 ) -> usize {
-    let mut n_healed = 0;
+    let (mut n_healed, mut in_vain) = (0, 0);
     for _ in 0..ROUNDS {
         let topology = topology(sheet);
         let mut poor: Vec<(f64, u32)> = (0..sheet.quads.len() as u32)
@@ -68,7 +70,13 @@ pub(crate) fn heal(
             let found = RINGS
                 .iter()
                 .find_map(|&rings| region(sheet, ground, options, &topology, seed, rings, &blocked, n_given));
-            let Some(r) = found else { continue };
+            let Some(r) = found else {
+                in_vain += 1;
+                if in_vain == IN_VAIN {
+                    break;
+                }
+                continue;
+            };
             for &q in &r.old {
                 (dead[q as usize], blocked[q as usize]) = (true, true);
             }

@@ -36,8 +36,9 @@ const PASSES: usize = 8;
 const BAD: f64 = 0.12;
 /// Trials per seed and pass, for bad ones and for others.
 const TRIALS: (usize, usize) = (8, 4);
-/// Trials in all: so many, and one for so many quads more.
-const ALL_TRIALS: (usize, usize) = (300, 60);
+/// Trials in all: so many, and one for so many quads more; in a large mesh so many, and one for so many more. Small meshes are
+/// often parts of something that is meshed again and again.
+const ALL_TRIALS: [(usize, usize); 2] = [(40, 6), (300, 60)];
 
 /// What may be changed.
 #[derive(Clone, Copy, Debug)]
@@ -79,7 +80,8 @@ pub fn reshape(
     protected.resize(mesh.n_quads(), false);
     let mut kept: Vec<[VertexId; 2]> = task.kept.iter().map(|&[a, b]| [a.min(b), a.max(b)]).collect();
     kept.sort_unstable();
-    let mut left = ALL_TRIALS.0 + mesh.n_quads() / ALL_TRIALS.1;
+    let budget = ALL_TRIALS.map(|(base, each)| base + mesh.n_quads() / each);
+    let mut left = budget[0].min(budget[1]);
     // Seeds that no trial has helped, by their points: they are not tried again before something moves.
     let mut hopeless: Vec<u64> = Vec::new();
     for pass in 0..PASSES {

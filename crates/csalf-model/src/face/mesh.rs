@@ -58,6 +58,39 @@ pub(crate) fn mesh_one(
     index: usize,
     hard: &[Hard],
 ) -> Result<MeshedFace, Box<FaceFailure>> {
+    let meshed = mesh_shape(cx, index, hard)?;
+    match collapsed(&meshed.quads) {
+        None => Ok(meshed),
+        Some(what) => {
+            let message = format!(
+                "{what}: edges of its boundary that lie within the tolerance ({:.3e}) were taken for one; the face is too thin \
+                 for it",
+                cx.tolerance
+            );
+            Err(Box::new(FaceFailure {
+                face: index,
+                name: cx.model.faces[index].name.clone(),
+                message,
+                case: None,
+            }))
+        }
+    }
+}
+
+/// What is wrong with quads by the names of their nodes: a node twice in one, or three of them at one side.
+fn collapsed(quads: &[[NodeName; 4]]) -> Option<&'static str> {
+    let mut sides: Vec<[NodeName; 2]> = Vec::with_capacity(4 * quads.len());
+    for q in quads {
+        if (0..4).any(|k| (0..k).any(|j| q[j] == q[k])) {
+            return Some("a quad passes one node of the model twice");
+        }
+        sides.extend((0..4).map(|k| [q[k].min(q[(k + 1) % 4]), q[k].max(q[(k + 1) % 4])]));
+    }
+    sides.sort_unstable();
+    sides.windows(3).any(|w| w[0] == w[2]).then_some("three quads meet at one side")
+}
+
+fn mesh_shape(cx: &Context<'_>, index: usize, hard: &[Hard]) -> Result<MeshedFace, Box<FaceFailure>> {
     let face = &cx.model.faces[index];
     let fail = |message: String, case: Option<Job>| {
         Box::new(FaceFailure { face: index, name: face.name.clone(), message, case })
@@ -347,4 +380,19 @@ fn chart_sizes(faceted: &ChartFacets, sizes: &[f64], forward: bool) -> SizeSpec 
         triangles.iter_mut().for_each(|t| t.swap(1, 2));
     }
     SizeSpec::Background { points: faceted.flat.iter().map(mirror).collect(), triangles, values }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn collapsed_faces_are_found() {
+        let node = NodeName::Model;
+        let quad = |a, b, c, d| [node(a), node(b), node(c), node(d)];
+        assert_eq!(collapsed(&[quad(0, 1, 2, 3), quad(1, 4, 5, 2)]), None);
+        assert!(collapsed(&[quad(0, 1, 0, 3)]).is_some_and(|w| w.contains("twice")));
+        let three = [quad(0, 1, 2, 3), quad(1, 0, 4, 5), quad(0, 1, 6, 7)];
+        assert!(collapsed(&three).is_some_and(|w| w.contains("one side")));
+    }
 }

@@ -5,7 +5,8 @@
 //!         │s│            touch the right one are the separator, numbered last; again in both halves
 //! ```
 //!
-//! Of facets that span the whole extent, such as those of a bore, all would be separator: another axis is taken then.
+//! Of facets that span the whole extent, such as those of a bore, all would be separator: another axis is taken then, and
+//! where the surface lies over itself in all of them, the distance along its edges from a far end.
 //!
 //! 1. [`Order::new`]: nested dissection.
 //! 2. Elimination tree and column counts.
@@ -85,8 +86,14 @@ impl Graph<'_> {
         axes.sort_by(|&a, &b| d[b].total_cmp(&d[a]).then(a.cmp(&b)));
         let good = POOR * (ids.len() as f64).sqrt();
         let mut best: Option<[Vec<u32>; 3]> = None;
-        for axis in axes {
-            let parts = self.divide(&mut ids, axis, side, stamp);
+        for way in 0..4 {
+            let parts = match axes.get(way) {
+                Some(&axis) => self.divide(&mut ids, &|v| self.points[v as usize][axis], side, stamp),
+                None => {
+                    let depth = self.depths(&ids, side, stamp);
+                    self.divide(&mut ids, &|v| f64::from(depth[v as usize]), side, stamp)
+                }
+            };
             let n = parts[1].len();
             if best.as_ref().is_none_or(|b| n < b[1].len()) {
                 best = Some(parts);
@@ -101,11 +108,45 @@ impl Graph<'_> {
         out.extend(separator);
     }
 
-    /// Left part, separator and right part by the median along an axis.
-    fn divide(&self, ids: &mut [u32], axis: usize, side: &mut [u32], stamp: &mut u32) -> [Vec<u32>; 3] {
-        let p = |v: u32| self.points[v as usize];
+    /// Steps from a vertex at the far end of the part to each vertex of it, other parts of the graph being out of bounds;
+    /// what cannot be reached is farthest.
+    fn depths(&self, ids: &[u32], side: &mut [u32], stamp: &mut u32) -> Vec<u32> {
+        let mut depth = vec![u32::MAX; self.points.len()];
+        let mut from = ids[0];
+        // The end of one search is a far end, where the next begins.
+        for _ in 0..2 {
+            *stamp += 1;
+            let open = *stamp;
+            ids.iter().for_each(|&v| side[v as usize] = open);
+            *stamp += 1;
+            let mut queue = vec![from];
+            (side[from as usize], depth[from as usize]) = (*stamp, 0);
+            let mut at = 0;
+            while let Some(&v) = queue.get(at) {
+                at += 1;
+                let (a, b) = (self.start[v as usize] as usize, self.start[v as usize + 1] as usize);
+                for &w in &self.near[a..b] {
+                    if side[w as usize] == open {
+                        (side[w as usize], depth[w as usize]) = (*stamp, depth[v as usize] + 1);
+                        queue.push(w);
+                    }
+                }
+            }
+            from = queue[queue.len() - 1];
+        }
+        depth
+    }
+
+    /// Left part, separator and right part by the median of a key.
+    fn divide(
+        &self,
+        ids: &mut [u32],
+        key: &dyn Fn(u32) -> f64,
+        side: &mut [u32],
+        stamp: &mut u32,
+    ) -> [Vec<u32>; 3] {
         let half = ids.len() / 2;
-        ids.select_nth_unstable_by(half, |&a, &b| p(a)[axis].total_cmp(&p(b)[axis]).then(a.cmp(&b)));
+        ids.select_nth_unstable_by(half, |&a, &b| key(a).total_cmp(&key(b)).then(a.cmp(&b)));
         *stamp += 1;
         let mark = *stamp;
         ids[half..].iter().for_each(|&v| side[v as usize] = mark);
