@@ -84,9 +84,15 @@ pub(crate) fn place(
             let s = if width > 0.0 { ((target - c.w[k]) / width).clamp(0.0, 1.0) } else { 0.5 };
             let h = c.sides[k];
             out.inside.entry(h).or_default().push((s, id));
-            out.inside.entry(patch.twin[h as usize]).or_default().insert(0, (1.0 - s, id));
+            out.inside.entry(patch.twin[h as usize]).or_default().push((1.0 - s, id));
             out.anchors.push(on_side(h, s));
             id += 1;
+        }
+        // The other side runs the other way.
+        for h in &c.sides {
+            if let Some(list) = out.inside.get_mut(&patch.twin[*h as usize]) {
+                list.reverse();
+            }
         }
     }
     Ok(out)
