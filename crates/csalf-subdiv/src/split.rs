@@ -39,11 +39,15 @@ pub struct SplitRules {
     pub seeds: usize,
     /// Splits compared by lookahead, where there are companions.
     pub lookahead: usize,
+    /// 0, or which of other choices to make among splits that are nearly as good: symmetric contours have many that are
+    /// equal, and not all of them end well.
+    pub variant: u32,
 }
 
 impl SplitRules {
     /// Rules of the default method.
-    pub const QUALITY: Self = Self { weights: Weights::QUALITY, all_pairs: 64, seeds: 48, lookahead: 8 };
+    pub const QUALITY: Self =
+        Self { weights: Weights::QUALITY, all_pairs: 64, seeds: 48, lookahead: 8, variant: 0 };
     /// The same without lookahead: about twice as fast, with more irregular vertices.
     pub const FAST: Self = Self { lookahead: 1, ..Self::QUALITY };
     /// Rules of the paper's functional, without lookahead.
@@ -183,6 +187,7 @@ impl Splitter {
             let guess = 2.0 * a.distance(b) / (view.size[j] + view.size[k]);
             let w = rules.weights.count;
             let phi = score
+                + whim(rules.variant, j, k)
                 + w * (count_error(segments, fitting)
                     - rough_count_error(segments_for(guess, step, least_segments(n, step)), guess))
                 + 0.3 * (0.6 - clearance).max(0.0);
@@ -345,6 +350,17 @@ impl Splitter {
         };
         check(j, k, k - j) && check(k, j, n - (k - j))
     }
+}
+
+/// What a split costs more in a variant: 0 in the first, up to [`WHIM`] in others.
+fn whim(variant: u32, j: usize, k: usize) -> f64 {
+    /// Differences of Φ below this mean little. *Arbitrary.*
+    const WHIM: f64 = 0.05;
+    if variant == 0 {
+        return 0.0;
+    }
+    let mixed = (j as u64 ^ (k as u64) << 20 ^ u64::from(variant) << 40).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    WHIM * (mixed >> 40) as f64 / f64::from(1u32 << 24)
 }
 
 /// As [`count_error`], without a logarithm: 0 for a perfect fit, 1 for a factor of two.
