@@ -40,6 +40,9 @@ const TRIALS: (usize, usize) = (8, 4);
 /// often parts of something that is meshed again and again.
 const ALL_TRIALS: [(usize, usize); 2] = [(40, 6), (300, 60)];
 
+/// Where one quad in so many is poor, the outline asks for it: half of the trials are made, and fewer the more there are.
+const HOPELESS: usize = 10;
+
 /// What may be changed.
 #[derive(Clone, Copy, Debug)]
 pub struct ReshapeTask<'a> {
@@ -89,6 +92,7 @@ pub fn reshape(
         let seeds = seeds(&site);
         if pass == 0 {
             report.n_seeds = seeds.len();
+            left /= 1 + HOPELESS * seeds.len() / mesh.n_quads().max(1);
         }
         let mut taken = vec![false; mesh.n_vertices()];
         let mut edits: Vec<trial::Change> = Vec::new();
