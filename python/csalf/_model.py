@@ -200,6 +200,7 @@ class Wish:
         gradation: float | None = None,
         face_sizes: Mapping[str, float] | None = None,
         edge_sizes: Mapping[str, float] | None = None,
+        loop_sizes: Mapping[str, float] | None = None,
         edge_counts: Mapping[str, int] | None = None,
         layers: Mapping[str, Layer] | None = None,
         points: Mapping[str, Sequence[float]] | ArrayLike = (),
@@ -212,6 +213,7 @@ class Wish:
         self.gradation = _length("gradation", gradation)
         self.face_sizes = [(n, _given(f"face_sizes[{n!r}]", h)) for n, h in (face_sizes or {}).items()]
         self.edge_sizes = [(n, _given(f"edge_sizes[{n!r}]", h)) for n, h in (edge_sizes or {}).items()]
+        self.loop_sizes = [(n, _given(f"loop_sizes[{n!r}]", h)) for n, h in (loop_sizes or {}).items()]
         self.edge_counts = [(n, int(k)) for n, k in (edge_counts or {}).items()]
         self.layers = [layer_row(pattern, layer) for pattern, layer in (layers or {}).items()]
         if not isinstance(points, Mapping):
@@ -231,6 +233,7 @@ def mesh_model(
     gradation: float | None = None,
     face_sizes: Mapping[str, float] | None = None,
     edge_sizes: Mapping[str, float] | None = None,
+    loop_sizes: Mapping[str, float] | None = None,
     edge_counts: Mapping[str, int] | None = None,
     layers: Mapping[str, Layer] | None = None,
     points: Mapping[str, Sequence[float]] | ArrayLike = (),
@@ -247,7 +250,7 @@ def mesh_model(
     nothing asks for less (a fortieth of the diagonal); curvature asks for ``per_turn`` (12) elements per full turn,
     down to ``min_size`` (a tenth of the size); the size grows by at most ``gradation`` (0.3) per length.
     ``face_sizes``, ``edge_sizes`` and ``edge_counts`` are by pattern of names, ``points`` become nodes of the nearest
-    face.
+    face. ``loop_sizes`` are for all edges of a loop, by its name or diameter: ``{"hole<12": 0.5}``.
 
     ``layers`` are as those of ``mesh``, by names of loops, or by diameter: ``{"hole<12": 2}``.
 
@@ -261,6 +264,7 @@ def mesh_model(
         gradation=gradation,
         face_sizes=face_sizes,
         edge_sizes=edge_sizes,
+        loop_sizes=loop_sizes,
         edge_counts=edge_counts,
         layers=layers,
         points=points,

@@ -47,6 +47,15 @@ def test_a_step_file_is_meshed(block: csalf.ModelMesh, tmp_path) -> None:
 
 
 @needs_block
+def test_sizes_of_loops() -> None:
+    coarse = csalf.mesh_model(BLOCK, size=5)
+    fine = csalf.mesh_model(BLOCK, size=5, loop_sizes={"hole*": 1})
+    assert not fine.failures and len(fine.quads) > len(coarse.quads)
+    with pytest.raises(csalf.SizeError):
+        csalf.mesh_model(BLOCK, size=5, loop_sizes={"hole*": -1})
+
+
+@needs_block
 def test_mesh_takes_models_too(block: csalf.ModelMesh) -> None:
     same = csalf.mesh(str(BLOCK), size=5, layers={"hole*": 2})
     assert isinstance(same, csalf.ModelMesh) and np.array_equal(same.points, block.points)

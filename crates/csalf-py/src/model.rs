@@ -43,6 +43,7 @@ pub(crate) struct Wish {
     gradation: Option<f64>,
     face_sizes: Named<f64>,
     edge_sizes: Named<f64>,
+    loop_sizes: Named<f64>,
     edge_counts: Named<usize>,
     layers: Layers,
     points: Named<[f64; 3]>,
@@ -157,6 +158,7 @@ impl Wish {
             layers,
             points: self.points.into_iter().map(|(n, p)| (n, DVec3::from_array(p))).collect(),
             counts: self.edge_counts,
+            loop_sizes: self.loop_sizes,
             mesher: Options { method, preset, gradation: self.gradation, ..Options::default() },
             ..ModelOptions::default()
         })
