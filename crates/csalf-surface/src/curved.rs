@@ -395,8 +395,10 @@ impl Face {
     /// Conforming, and the boundary is the given segments.
     fn certify(&self, input: &FaceInput<'_>, sheet: &Sheet) -> Result<QuadTopology, FaceError> {
         let fail = |detail: String| Err(FaceError::Internal { stage: "certify", detail });
-        if let Some(q) = sheet.quads.iter().find(|q| (0..4).any(|i| (0..i).any(|j| q[i] == q[j]))) {
-            return fail(format!("quad {q:?} has a vertex twice"));
+        // Both sides of a cut met in one quad.
+        let twice = |q: &[u32; 4]| (0..4).find(|&i| q[..i].contains(&q[i])).map(|i| q[i]);
+        if let Some(v) = sheet.quads.iter().find_map(twice) {
+            return Err(FaceError::TooThin { at: sheet.points[v as usize] });
         }
         let quads: Vec<[VertexId; 4]> = sheet.quads.iter().map(|q| q.map(VertexId)).collect();
         let topology = QuadTopology::new(sheet.points.len(), &quads);

@@ -3,7 +3,7 @@
 mod shapes;
 
 use csalf_core::Options;
-use csalf_surface::{DVec3, FaceInput, FaceLoop, FaceSize, Facets, Flattening, mesh_face};
+use csalf_surface::{DVec3, FaceError, FaceInput, FaceLoop, FaceSize, Facets, Flattening, mesh_face};
 use proptest::prelude::*;
 
 fn input<'a>(facets: &'a Facets, loops: &'a [FaceLoop]) -> FaceInput<'a> {
@@ -86,7 +86,22 @@ proptest! {
             }
         }
         let made = mesh_face(&input(&f, &l), &Options::default());
-        let ours = matches!(made, Err(csalf_surface::FaceError::Internal { .. }));
+        let ours = matches!(made, Err(FaceError::Internal { .. }));
         prop_assert!(!ours, "{:?}", made);
+    }
+}
+
+/// A corner drawn out to a spike, found by the test above: a cut along it leaves no room for two quads side by side. That is
+/// no fault of ours.
+#[test]
+fn both_sides_of_a_cut_in_one_quad_are_told() {
+    let mut f = shapes::grid(8, 8, (false, false), |s, t| DVec3::new(s, t, 0.3 * (5.0 * s).sin() * t));
+    let l = shapes::boundary(&f, 1);
+    for (v, d) in [(64, -1.6521438680217309), (35, 0.7041467967564622)] {
+        f.points[v] += DVec3::new(d, -d, 0.5 * d);
+    }
+    match mesh_face(&input(&f, &l), &Options::default()) {
+        Ok(m) => assert_eq!(m.report.quality.n_nonpositive, 0),
+        Err(e) => assert!(matches!(e, FaceError::TooThin { at } if at.x < 0.0), "{e:?}"),
     }
 }
