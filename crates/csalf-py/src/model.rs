@@ -160,7 +160,6 @@ impl Wish {
             counts: self.edge_counts,
             loop_sizes: self.loop_sizes,
             mesher: Options { method, preset, gradation: self.gradation, ..Options::default() },
-            ..ModelOptions::default()
         })
     }
 }
