@@ -11,6 +11,8 @@
 use crate::driver::REMOVED;
 use csalf_geom::{Point2, VertexId};
 use csalf_mesh::{QuadMesh, QuadTopology};
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
 
 const NONE: u32 = u32::MAX;
 
@@ -27,7 +29,8 @@ pub struct EditMesh<'a> {
     /// Per side 4 q + k: the side beyond, or none.
     twin: Vec<u32>,
     lists: Vec<Vec<u32>>,
-    free_quads: Vec<u32>,
+    /// The lowest numbers are given first.
+    free_quads: BinaryHeap<Reverse<u32>>,
     free_vertices: Vec<u32>,
     /// Vertices and quads of the mesh before that were removed, though their places may be taken again.
     gone: (Vec<u32>, Vec<u32>),
@@ -45,7 +48,7 @@ impl<'a> EditMesh<'a> {
             topology,
             n_before,
             lists: Vec::new(),
-            free_quads: Vec::new(),
+            free_quads: BinaryHeap::new(),
             free_vertices: Vec::new(),
             gone: Default::default(),
         }
@@ -135,10 +138,9 @@ impl<'a> EditMesh<'a> {
                 }
             }
             self.mesh.quads[q as usize] = [VertexId(NONE); 4];
-            self.free_quads.push(q);
+            self.free_quads.push(Reverse(q));
         }
         self.gone.1.extend(old);
-        self.free_quads.sort_unstable_by(|a, b| b.cmp(a));
         let mut names = Vec::with_capacity(points.len());
         for &p in points {
             names.push(match self.free_vertices.pop() {
@@ -158,7 +160,7 @@ impl<'a> EditMesh<'a> {
         let mut placed = Vec::with_capacity(new.len());
         for q in new {
             let vs = q.map(|v| if v < first { v } else { names[(v - first) as usize] });
-            let at = self.free_quads.pop().unwrap_or(self.mesh.quads.len() as u32);
+            let at = self.free_quads.pop().map_or(self.mesh.quads.len() as u32, |q| q.0);
             if at as usize == self.mesh.quads.len() {
                 self.mesh.quads.push([VertexId(NONE); 4]);
                 self.twin.extend([NONE; 4]);
