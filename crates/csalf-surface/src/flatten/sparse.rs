@@ -169,6 +169,10 @@ pub(crate) struct Symmetric {
 /// Pivots below this share of the largest diagonal entry mean a singular matrix.
 const SINGULAR: f64 = 1e-13;
 
+/// Most operations of a factorisation, some seconds. A surface of 60,000 facets takes a hundredth of it; what takes more is a
+/// heap of needles.
+const MOST_WORK: f64 = 1e10;
+
 impl Symmetric {
     pub(crate) fn new(n: usize) -> Self {
         Self { entries: Vec::new(), n }
@@ -180,7 +184,7 @@ impl Symmetric {
         self.entries.push((i.min(j), i.max(j), x));
     }
 
-    /// L D Lᵀ; `None` unless the matrix is positive definite beyond rounding.
+    /// L D Lᵀ; `None` unless the matrix is positive definite beyond rounding, and if it takes more than [`MOST_WORK`].
     pub(crate) fn factor(&self) -> Option<Factor> {
         let n = self.n;
         let mut start = vec![0usize; n + 1];
@@ -212,6 +216,9 @@ impl Symmetric {
                     i = parent[i] as usize;
                 }
             }
+        }
+        if count.iter().map(|&c| (c as f64).powi(2)).sum::<f64>() > MOST_WORK {
+            return None;
         }
         for i in 0..n {
             count[i + 1] += count[i];
