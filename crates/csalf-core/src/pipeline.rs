@@ -29,7 +29,6 @@ use std::sync::Arc;
 struct Stopwatch<'a> {
     watch: &'a dyn Watch,
     /// Seconds of [`clock::now`].
-    start: f64,
     last: f64,
     current: &'static str,
     stages: Vec<(&'static str, f64)>,
@@ -37,8 +36,7 @@ struct Stopwatch<'a> {
 
 impl<'a> Stopwatch<'a> {
     fn new(watch: &'a dyn Watch) -> Self {
-        let now = clock::now();
-        Self { watch, start: now, last: now, current: "", stages: Vec::new() }
+        Self { watch, last: clock::now(), current: "", stages: Vec::new() }
     }
 
     /// Ends the stage that runs.
@@ -106,13 +104,21 @@ fn best_variant(job: &Job, attempt: &Attempt, watch: &dyn Watch) -> Result<Meshe
     let mut best = mesh_once(job, attempt, watch)?;
     let (most, mean, min) = AGAIN;
     let quality = attempt.options.method == Method::Csalf && attempt.options.preset == Preset::Quality;
+    if !quality || best.mesh.n_quads() > most {
+        return Ok(best);
+    }
     let mut first = shape(&best.mesh);
-    if !quality || best.mesh.n_quads() > most || first.0 >= mean || first.1 < min {
+    if first.0 >= mean || first.1 < min {
         return Ok(best);
     }
     let n_made = |m: &Meshed| m.report.loops.iter().map(|l| l.made).sum::<usize>();
     for variant in 1..=VARIANTS {
-        let other = mesh_once(job, &Attempt { variant, ..attempt.clone() }, watch)?;
+        let other = match mesh_once(job, &Attempt { variant, ..attempt.clone() }, watch) {
+            Ok(other) => other,
+            // There is a mesh, though this was none.
+            Err(MeshError::Internal { .. }) => continue,
+            Err(e) => return Err(e),
+        };
         let now = shape(&other.mesh);
         if now.0 + 0.5 * now.1 > first.0 + 0.5 * first.1 && n_made(&other) >= n_made(&best) {
             (first, best) = (now, other);
@@ -125,6 +131,7 @@ fn best_variant(job: &Job, attempt: &Attempt, watch: &dyn Watch) -> Result<Meshe
 /// of floating-point numbers), again by ever simpler means; the report says so. The last one, subdivision with convex
 /// quads only and neither layers nor smoothing, has nothing that could fail but the resolution of the numbers.
 fn run_here(job: &Job, options: &Options, watch: &dyn Watch) -> Result<Meshed, MeshError> {
+    let start = clock::now();
     let attempt =
         |options: &Options, loose, clean| Attempt { options: options.clone(), loose, clean, variant: 0 };
     let fast = Options { preset: Preset::Fast, ..options.clone() };
@@ -140,6 +147,7 @@ fn run_here(job: &Job, options: &Options, watch: &dyn Watch) -> Result<Meshed, M
             Err(_) if watch.cancelled() => return Err(MeshError::Cancelled),
             Err(e @ MeshError::Internal { .. }) => refused.push(e),
             Ok(mut meshed) => {
+                meshed.report.timing.wall_s = clock::now() - start;
                 let retried = |e: &MeshError| Warning::Retried { reason: e.to_string() };
                 meshed.report.warnings.extend(refused.iter().map(retried));
                 if attempt.options.method != options.method {
@@ -210,7 +218,6 @@ fn mesh_once(job: &Job, attempt: &Attempt, watch: &dyn Watch) -> Result<Meshed, 
     certify(&mesh, &topology, &arrangement, !attempt.clean)?;
     stages.end();
 
-    report.timing.wall_s = clock::now() - stages.start;
     report.timing.stages = stages.stages;
     Ok(Meshed { sets, mesh, report })
 }

@@ -76,8 +76,8 @@ pub enum Warning {
 /// Times of the meshing alone: no reading, no writing, no quality report.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Timing {
-    /// Wall clock seconds.
+    /// Wall clock seconds of all that was tried.
     pub wall_s: f64,
-    /// Stages in order: name and wall seconds.
+    /// Stages of the run that made the mesh, in order: name and wall seconds.
     pub stages: Vec<(&'static str, f64)>,
 }

@@ -31,7 +31,7 @@ const RINGS: [usize; 4] = [2, 3, 4, 1];
 const GAIN: f64 = 0.05;
 /// Most rounds.
 const ROUNDS: usize = 3;
-/// Most regions tried per round, and most seeds tried in vain: bounds the time on hopeless meshes.
+/// Most seeds tried per round, and most of them in vain: bounds the time on hopeless meshes.
 const TRIALS: usize = 300;
 /// See [`TRIALS`].
 const IN_VAIN: usize = 50;
@@ -53,8 +53,9 @@ pub(crate) fn heal(
     n_given: usize,
     out: &mut FaceMesh,
 ) -> usize {
-    let (mut n_healed, mut in_vain) = (0, 0);
+    let mut n_healed = 0;
     for _ in 0..ROUNDS {
+        let mut in_vain = 0;
         let topology = topology(sheet);
         let mut poor: Vec<(f64, u32)> = (0..sheet.quads.len() as u32)
             .map(|q| (worst(sheet, &sheet.quads[q as usize]), q))

@@ -252,10 +252,11 @@ impl Local {
         }
         let lift = |mesh: &mut QuadMesh, doublings: &[u32]| {
             lift_by(mesh, &topology, &fixed, ENOUGH, WHOLE, (doublings, TRIAL_ITERATIONS));
-            corners(mesh).map(|p| Corners::new(&p).min_scaled()).fold(1.0, f64::min)
         };
+        lift(&mut mesh, &DOUBLINGS[..1]);
         // What is far behind after the first power does not win by the others.
-        if lift(&mut mesh, &DOUBLINGS[..1]) < BEHIND * before.first().copied().unwrap_or(0.0) {
+        let least = BEHIND * before.first().copied().unwrap_or(0.0);
+        if corners(&mesh).any(|p| Corners::new(&p).min_scaled() < least) {
             return None;
         }
         lift(&mut mesh, &DOUBLINGS[1..]);

@@ -12,6 +12,7 @@
 //! 2. [`components`]: those that share quads stay together.
 //! 3. [`Region::new`]: local copy, targets and colours.
 
+use super::has_corner_below;
 use csalf_geom::{Point2, QuadId, VertexId, angle::interior_angle};
 use csalf_mesh::{
     QuadMesh, QuadTopology,
@@ -296,7 +297,7 @@ impl Region {
 
     /// True if a corner of quad `q` is concave or flat.
     pub(crate) fn is_bad(&self, q: usize) -> bool {
-        Corners::new(&self.corners(q)).min_scaled() <= FLAT
+        has_corner_below(&self.corners(q), FLAT)
     }
 
     /// Greedy colouring in the order of the local ids. A vertex that finds no colour among 64 (valence over

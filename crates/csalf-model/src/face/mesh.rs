@@ -67,24 +67,25 @@ pub(crate) fn mesh_one(
                  for it",
                 cx.tolerance
             );
-            Err(Box::new(FaceFailure {
-                face: index,
-                name: cx.model.faces[index].name.clone(),
-                message,
-                case: None,
-            }))
+            Err(failure(cx, index, message, None))
         }
     }
 }
 
-/// What is wrong with quads by the names of their nodes: a node twice in one, or three of them at one side.
+fn failure(cx: &Context<'_>, face: usize, message: String, case: Option<Job>) -> Box<FaceFailure> {
+    Box::new(FaceFailure { face, name: cx.model.faces[face].name.clone(), message, case })
+}
+
+/// What is wrong with quads by the names of their nodes: a node twice in one, or three of them at one side. Cost: a look at
+/// each; only sides with a node of the model, near the boundary, are sorted, since nodes of the face's own are never one.
 fn collapsed(quads: &[[NodeName; 4]]) -> Option<&'static str> {
-    let mut sides: Vec<[NodeName; 2]> = Vec::with_capacity(4 * quads.len());
+    let mut sides: Vec<[NodeName; 2]> = Vec::new();
     for q in quads {
         if (0..4).any(|k| (0..k).any(|j| q[j] == q[k])) {
             return Some("a quad passes one node of the model twice");
         }
-        sides.extend((0..4).map(|k| [q[k].min(q[(k + 1) % 4]), q[k].max(q[(k + 1) % 4])]));
+        let ends = (0..4).map(|k| [q[k].min(q[(k + 1) % 4]), q[k].max(q[(k + 1) % 4])]);
+        sides.extend(ends.filter(|s| s.iter().any(|n| matches!(n, NodeName::Model(_)))));
     }
     sides.sort_unstable();
     sides.windows(3).any(|w| w[0] == w[2]).then_some("three quads meet at one side")
@@ -92,9 +93,7 @@ fn collapsed(quads: &[[NodeName; 4]]) -> Option<&'static str> {
 
 fn mesh_shape(cx: &Context<'_>, index: usize, hard: &[Hard]) -> Result<MeshedFace, Box<FaceFailure>> {
     let face = &cx.model.faces[index];
-    let fail = |message: String, case: Option<Job>| {
-        Box::new(FaceFailure { face: index, name: face.name.clone(), message, case })
-    };
+    let fail = |message: String, case: Option<Job>| failure(cx, index, message, case);
     match &face.shape {
         FaceShape::Facets(p) => patch::mesh_patch(cx, index, p, hard).map_err(|m| fail(m, None)),
         FaceShape::Surface(surface, forward) => {

@@ -169,8 +169,8 @@ pub(crate) struct Symmetric {
 /// Pivots below this share of the largest diagonal entry mean a singular matrix.
 const SINGULAR: f64 = 1e-13;
 
-/// Most operations of a factorisation, some seconds. A surface of 60,000 facets takes a hundredth of it; what takes more is a
-/// heap of needles.
+/// Most operations of a factorisation, some seconds. Measured: 7e8 for a machined part of 66,000 unknowns; 8e10 and more for
+/// heaps of needles (`fuzz-models`, seed 2026).
 const MOST_WORK: f64 = 1e10;
 
 impl Symmetric {
