@@ -146,6 +146,10 @@ class ShardError(Error, ValueError):
         return type(self), (str(self), self.problems)
 
 
+class MissingError(Error, ImportError):
+    """An optional package is needed and not installed; the message says how to get it."""
+
+
 class InternalError(Error, RuntimeError):
     """A defect of csalf: please report it with the input."""
 

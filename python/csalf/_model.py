@@ -1,4 +1,4 @@
-"""Whole models: STEP files and facets."""
+"""Whole models: STEP files, facets, and IGES and BREP files by way of STEP."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Callable, Mapping, Sequence, Union
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _csalf
+from . import _cad, _csalf
 from ._errors import FaceFailure, ModelError, SizeError
 from ._layers import Layer, layer_row
 from ._mesh import Floats, Indices, Mesh
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 log = logging.getLogger("csalf")
 
-FORMATS = ("step", "stp", "p21", "stl", "obj", "ply")
+FORMATS = ("step", "stp", "p21", "stl", "obj", "ply", *_cad.FORMATS)
 """Formats, and extensions, of models."""
 
 
@@ -30,9 +30,19 @@ class Model:
     def __init__(
         self, path: str | os.PathLike[str], format: str | None = None, *, feature_angle: float | None = None
     ) -> None:
-        """Reads .step, .stp, .stl, .obj or .ply. Facets fall into faces where the normal turns by more than
-        ``feature_angle`` degrees (40). Raises ``FormatError``, ``OSError``."""
-        self._raw = _csalf.Model.read(os.fspath(path), format, feature_angle)
+        """Reads .step, .stp, .stl, .obj or .ply, and with Open CASCADE (``pip install 'csalf[cad]'``) .igs, .iges,
+        .brep or .brp. Facets fall into faces where the normal turns by more than ``feature_angle`` degrees (40).
+        Raises ``FormatError``, ``OSError``, ``MissingError`` without Open CASCADE."""
+        self._notes: list[str] = []
+        self._has_unit = True
+        given = os.fspath(path)
+        kind = _cad.format_of(given, format)
+        if kind is None:
+            self._raw = _csalf.Model.read(given, format, feature_angle)
+            return
+        step, self._notes = _cad.convert(given, kind)
+        self._raw = _csalf.Model.from_bytes(step, given, _cad.stem(given), "step", None)
+        self._has_unit = kind != "brep"
 
     @property
     def name(self) -> str:
@@ -41,12 +51,12 @@ class Model:
     @property
     def unit(self) -> str:
         """Name of the unit of length; empty if unknown."""
-        return self._raw.unit
+        return self._raw.unit if self._has_unit else ""
 
     @property
     def notes(self) -> list[str]:
         """What the import left out or repaired, in words."""
-        return self._raw.notes
+        return self._notes + self._raw.notes
 
     @property
     def bounds(self) -> NDArray[np.float64]:
@@ -246,8 +256,8 @@ def mesh_model(
 ) -> ModelMesh:
     """Meshes all faces of a CAD model or a model of facets, conforming across shared edges.
 
-    ``source`` is the path of a .step, .stp, .stl, .obj or .ply file, or a ``Model``. ``size`` is the edge length where
-    nothing asks for less (a fortieth of the diagonal); curvature asks for ``per_turn`` (12) elements per full turn,
+    ``source`` is the path of a file that ``Model`` reads, or a ``Model``. ``size`` is the edge length where nothing
+    asks for less (a fortieth of the diagonal); curvature asks for ``per_turn`` (12) elements per full turn,
     down to ``min_size`` (a tenth of the size); the size grows by at most ``gradation`` (0.3) per length.
     ``face_sizes``, ``edge_sizes`` and ``edge_counts`` are by pattern of names, ``points`` become nodes of the nearest
     face. ``loop_sizes`` are for all edges of a loop, by its name or diameter: ``{"hole<12": 0.5}``.

@@ -20,7 +20,7 @@ from collections import OrderedDict
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Callable
 
-from . import _csalf
+from . import _cad, _csalf
 from ._errors import Cancelled
 from ._model import ModelMesh, Wish, finished
 
@@ -74,9 +74,13 @@ def mesh_model(
     if client is None:
         client = get_client()
     path = os.fspath(source)
-    with open(path, "rb") as file:
-        data = file.read()
-    task = Task(data, path, os.path.splitext(os.path.basename(path))[0], format, Wish(**wish))
+    if (kind := _cad.format_of(path, format)) is not None:
+        # Workers need no Open CASCADE.
+        data, format = _cad.convert(path, kind).step, "step"
+    else:
+        with open(path, "rb") as file:
+            data = file.read()
+    task = Task(data, path, _cad.stem(path), format, Wish(**wish))
     plan = task.plan()
     if parts is None:
         parts = PARTS_PER_WORKER * max(1, sum(client.nthreads().values()))

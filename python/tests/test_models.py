@@ -115,9 +115,9 @@ def test_files_that_are_no_models(tmp_path) -> None:
     (tmp_path / "bad.step").write_text("nothing")
     with pytest.raises(csalf.FormatError):
         csalf.Model(tmp_path / "bad.step")
-    (tmp_path / "part.iges").write_text("")
+    (tmp_path / "part.sat").write_text("")
     with pytest.raises(ValueError, match=r"\.step, \.stp"):
-        csalf.Model(tmp_path / "part.iges")
+        csalf.Model(tmp_path / "part.sat")
 
 
 def test_cancelled(tmp_path) -> None:
