@@ -4,17 +4,18 @@
 
 1. The file is read. Lengths of IGES are turned into millimetres by the unit in its header; BREP has none.
 2. If edges bound one face only, the faces are sewn: within 1e-6, 1e-5, then 1e-4 of the diagonal. The first of the
-   results with the fewest such edges is kept.
+   results with the fewest such edges is kept. Edges that are shorter than the tolerance go.
 3. Closed shells become solids, one in another a void.
 4. STEP is written, with the names of faces that the IGES file has, and with the circles and elementary surfaces that
    stand behind its forms.
 
-All that is done in a process of its own: on damaged files Open CASCADE may crash or run for ever, and it prints. It is
-ended with the caller. Written against Open CASCADE 7.9 and 8.0.
+All that is done in a process of its own, which a crash or Ctrl-C ends: damaged files let Open CASCADE crash or read for
+ever (that is ended, too), and it prints. Written against Open CASCADE 7.9 and 8.0.
 """
 
 from __future__ import annotations
 
+import faulthandler
 import importlib.util
 import io
 import os
@@ -44,6 +45,9 @@ FORM = 1e-6
 
 ARC = 1e-5
 """Share of the diagonal within which an edge of an IGES file is an arc: Open CASCADE approximates curves."""
+
+PATIENCE, PATIENCE_PER_BYTE = 60.0, 1e-4
+"""Seconds that reading a file may take. Files of 4 MB take one or two."""
 
 BINARY = b"Open CASCADE Topology"
 """Near the beginning of binary BREP files, and of no others."""
@@ -81,13 +85,18 @@ def convert(path: str, format: str) -> Converted:
     if importlib.util.find_spec("OCP") is None:
         raise _missing(path, "there is no module OCP")
     code = f"import sys; sys.path[:] = {sys.path!r}; from csalf._cad import serve; serve()"
-    child = subprocess.run([sys.executable, "-c", code, path, format], stdin=subprocess.DEVNULL, capture_output=True)
+    limit = PATIENCE + os.path.getsize(path) * PATIENCE_PER_BYTE
+    command = [sys.executable, "-c", code, path, format, str(limit)]
+    child = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True)
     try:
         answer = pickle.loads(child.stdout)
     except Exception as e:
-        last = child.stderr.decode(errors="replace").strip().rpartition("\n")[2]
-        message = f"{path}: Open CASCADE crashed (exit code {child.returncode}) {last}".rstrip()
-        raise FormatError(message, format) from e
+        if b"Timeout (" in child.stderr:
+            what = f"did not come to an end within {limit:.0f} s: the file is damaged"
+        else:
+            last = child.stderr.decode(errors="replace").strip().rpartition("\n")[2]
+            what = f"crashed (exit code {child.returncode}) {last}".rstrip()
+        raise FormatError(f"{path}: Open CASCADE {what}", format) from e
     if isinstance(answer, Exception):
         raise answer
     return Converted(*answer)
@@ -108,7 +117,9 @@ def serve() -> None:
     """The process beside: converts a file, and writes what came of it to the standard output."""
     out = os.dup(1)
     os.dup2(2, 1)  # what Open CASCADE prints
-    path, format = sys.argv[1:]
+    path, format, limit = sys.argv[1:]
+    # Ends the process, even if Open CASCADE does not let Python run.
+    faulthandler.dump_traceback_later(float(limit), exit=True)
     answer: object
     try:
         answer = tuple(_converted(path, format))
@@ -137,6 +148,7 @@ def _converted(path: str, format: str) -> Converted:
     else:
         shape, names = _of_brep(path), []
         notes.append("a BREP file has no unit of length: the numbers are taken as they are")
+    faulthandler.cancel_dump_traceback_later()
     n_faces = len(_Shapes(_parts(shape, Kind.TopAbs_FACE)))
     if n_faces == 0:
         raise FormatError("there is no face in it", format)
@@ -208,6 +220,7 @@ def _of_brep(path: str) -> TopoDS_Shape:
 def _sewn(shape: TopoDS_Shape, n_free: int, names: Names) -> tuple[TopoDS_Shape, float | None, int, Names]:
     """The shape with its faces sewn, within which length (``None``: it stays as it is), and its free edges."""
     from OCP.BRepBuilderAPI import BRepBuilderAPI_Sewing
+    from OCP.ShapeFix import ShapeFix_Wireframe
 
     diagonal = _diagonal(shape)
     best: tuple[TopoDS_Shape, float | None, int, Names] = (shape, None, n_free, names)
@@ -223,7 +236,17 @@ def _sewn(shape: TopoDS_Shape, n_free: int, names: Names) -> tuple[TopoDS_Shape,
             best = (made, tolerance, n_left, [(sewing.ModifiedSubShape(face), name) for face, name in names])
         if n_left == 0:
             break
-    return best
+    made, within, _, names = best
+    if within is None:
+        return best
+    # Where vertices of neighbours are near each other, sewing cuts slivers from edges.
+    fix = ShapeFix_Wireframe(made)
+    fix.SetPrecision(within)
+    fix.SetMaxTolerance(within)
+    fix.ModeDropSmallEdges = True
+    if not fix.FixSmallEdges():
+        return best
+    return fix.Shape(), within, _n_free(fix.Shape()), [(fix.Context().Apply(f), name) for f, name in names]
 
 
 def _bodies(shape: TopoDS_Shape) -> TopoDS_Shape:

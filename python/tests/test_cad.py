@@ -186,6 +186,10 @@ def test_a_crash_is_an_error(tmp_path, monkeypatch) -> None:
     (tmp_path / "OCP" / "__init__.py").write_text("import os\nos.abort()\n")
     with pytest.raises(csalf.FormatError, match="crashed"):
         csalf.Model(path)
+    (tmp_path / "OCP" / "__init__.py").write_text("import time\ntime.sleep(60)\n")
+    monkeypatch.setattr(_cad, "PATIENCE", 0.5)
+    with pytest.raises(csalf.FormatError, match="did not come to an end"):
+        csalf.Model(path)
 
 
 def test_without_open_cascade(tmp_path, monkeypatch, capsys) -> None:
