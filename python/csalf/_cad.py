@@ -3,10 +3,11 @@
     file ─read─▶ shape ─edges of one face? sew─▶ faces that share edges ─closed shells─▶ solids ─▶ STEP in memory
 
 1. The file is read. Lengths of IGES are turned into millimetres by the unit in its header; BREP has none.
-2. If edges bound one face only, the faces are sewn: within 1e-6, 1e-5, then 1e-4 of the diagonal. The first of the
+2. Offset surfaces become splines.
+3. If edges bound one face only, the faces are sewn: within 1e-6, 1e-5, then 1e-4 of the diagonal. The first of the
    results with the fewest such edges is kept. Edges that are shorter than the tolerance go.
-3. Closed shells become solids, one in another a void.
-4. STEP is written, with the names of faces that the IGES file has, and with the circles and elementary surfaces that
+4. Closed shells become solids, one in another a void.
+5. STEP is written, with the names of faces that the IGES file has, and with the circles and elementary surfaces that
    stand behind its forms.
 
 All that is done in a process of its own, which a crash or Ctrl-C ends: damaged files let Open CASCADE crash or read for
@@ -154,6 +155,9 @@ def _converted(path: str, format: str) -> Converted:
         raise FormatError("there is no face in it", format)
     if n_curves := sum(1 for _ in _parts(shape, Kind.TopAbs_EDGE, Kind.TopAbs_FACE)):
         notes.append(f"{n_curves} curves that bound no face were left out")
+    shape, n_offset, names = _without_offsets(shape, names)
+    if n_offset:
+        notes.append(f"{n_offset} offset surfaces became splines")
     n_free = _n_free(shape)
     if n_free:
         shape, tolerance, n_left, names = _sewn(shape, n_free, names)
@@ -215,6 +219,30 @@ def _of_brep(path: str) -> TopoDS_Shape:
     if not read or shape.IsNull():
         raise FormatError("not a BREP file", "brep")
     return shape
+
+
+def _without_offsets(shape: TopoDS_Shape, names: Names) -> tuple[TopoDS_Shape, int, Names]:
+    """The shape with splines for offset surfaces, which the reader of STEP leaves out; and how many there were."""
+    from OCP.BRep import BRep_Tool
+    from OCP.BRepTools import BRepTools_Modifier
+    from OCP.Geom import Geom_OffsetSurface, Geom_RectangularTrimmedSurface
+    from OCP.ShapeCustom import ShapeCustom_ConvertToBSpline
+    from OCP.TopAbs import TopAbs_ShapeEnum as Kind
+
+    n_offset = 0
+    for face, _ in _Shapes(_parts(shape, Kind.TopAbs_FACE)):
+        surface = BRep_Tool.Surface_s(_cast(face, "Face"))
+        if isinstance(surface, Geom_RectangularTrimmedSurface):
+            surface = surface.BasisSurface()
+        n_offset += isinstance(surface, Geom_OffsetSurface)
+    if n_offset == 0:
+        return shape, 0, names
+    splines = ShapeCustom_ConvertToBSpline()
+    splines.SetOffsetMode(True)
+    for other in (splines.SetExtrusionMode, splines.SetRevolutionMode, splines.SetPlaneMode):
+        other(False)
+    change = BRepTools_Modifier(shape, splines)
+    return change.ModifiedShape(shape), n_offset, [(change.ModifiedShape(face), name) for face, name in names]
 
 
 def _sewn(shape: TopoDS_Shape, n_free: int, names: Names) -> tuple[TopoDS_Shape, float | None, int, Names]:

@@ -16,11 +16,14 @@ pytest.importorskip("OCP", reason="IGES and BREP need Open CASCADE")
 
 from OCP.BRep import BRep_Builder  # noqa: E402
 from OCP.BRepAlgoAPI import BRepAlgoAPI_Cut  # noqa: E402
-from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeEdge, BRepBuilderAPI_Sewing  # noqa: E402
+from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeEdge, BRepBuilderAPI_MakeFace  # noqa: E402
+from OCP.BRepBuilderAPI import BRepBuilderAPI_Sewing  # noqa: E402
 from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox, BRepPrimAPI_MakeCone, BRepPrimAPI_MakeCylinder  # noqa: E402
 from OCP.BRepPrimAPI import BRepPrimAPI_MakeSphere, BRepPrimAPI_MakeTorus  # noqa: E402
 from OCP.BRepTools import BRepTools  # noqa: E402
-from OCP.gp import gp_Ax2, gp_Dir, gp_Pnt  # noqa: E402
+from OCP.Geom import Geom_CylindricalSurface, Geom_OffsetSurface, Geom_RectangularTrimmedSurface  # noqa: E402
+from OCP.GeomConvert import GeomConvert  # noqa: E402
+from OCP.gp import gp_Ax2, gp_Ax3, gp_Dir, gp_Pnt  # noqa: E402
 from OCP.IGESControl import IGESControl_Controller, IGESControl_Writer  # noqa: E402
 from OCP.STEPControl import STEPControl_StepModelType, STEPControl_Writer  # noqa: E402
 from OCP.TCollection import TCollection_HAsciiString  # noqa: E402
@@ -161,6 +164,16 @@ def test_a_void_and_curves(here, tmp_path) -> None:
         p = mesh.points[mesh.quads]
         volume = (np.cross(p[:, 2] - p[:, 0], p[:, 3] - p[:, 1]) * p.mean(1)).sum() / 6.0
         assert volume == pytest.approx(12000 - 36 * np.pi, rel=5e-4), "the void is turned inwards"
+
+
+@pytest.mark.parametrize("suffix", ["brep", "igs"])
+def test_an_offset_surface(suffix: str, here, tmp_path) -> None:
+    quarter = Geom_RectangularTrimmedSurface(Geom_CylindricalSurface(gp_Ax3(), 9.0), 0.0, np.pi / 2, 0.0, 20.0)
+    offset = Geom_OffsetSurface(GeomConvert.SurfaceToBSplineSurface_s(quarter), 1.0)
+    face = BRepBuilderAPI_MakeFace(offset, *offset.Bounds(), 1e-6).Face()
+    model = csalf.Model(write(face, tmp_path / f"offset.{suffix}"))
+    assert any("offset" in note for note in model.notes), model.notes
+    assert csalf.mesh_model(model, size=1.0).area.sum() == pytest.approx(100 * np.pi, rel=0.01)
 
 
 def test_files_that_are_broken(tmp_path) -> None:
