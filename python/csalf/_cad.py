@@ -141,8 +141,12 @@ def _missing(path: str, why: str) -> MissingError:
 
 
 def _converted(path: str, format: str) -> Converted:
+    import OCP
     from OCP.TopAbs import TopAbs_ShapeEnum as Kind
 
+    # 7.8 crashes where entities are added to a model of STEP.
+    if re.match(r"[0-6]\.|7\.[0-8]\b", version := str(getattr(OCP, "__version__", ""))):
+        raise ImportError(f"version {version} is there, it takes 7.9 or newer")
     notes = []
     if format == "iges":
         shape, names = _of_iges(path)
@@ -299,10 +303,13 @@ def _bodies(shape: TopoDS_Shape) -> TopoDS_Shape:
     build.MakeSolid(closed)
     for shell in shells:
         build.Add(closed if BRep_Tool.IsClosed_s(shell) else bodies, shell)
-    if any(_parts(closed, Kind.TopAbs_SHELL)):
+    n_faces = len(_Shapes(_parts(closed, Kind.TopAbs_FACE)))
+    if n_faces > 0:
         fix = ShapeFix_Solid(closed)
         fix.Perform()
-        build.Add(bodies, fix.Shape())
+        whole = len(_Shapes(_parts(fix.Shape(), Kind.TopAbs_FACE))) == n_faces
+        for body in [fix.Shape()] if whole else _parts(closed, Kind.TopAbs_SHELL):
+            build.Add(bodies, body)
     return bodies
 
 
