@@ -3,7 +3,7 @@
 use super::cavity::{Cavity, around};
 use super::{POOR, ReshapeTask};
 use crate::ops::{Disk, Edit, Site, disks};
-use crate::smooth::{DOUBLINGS, Effort, SmoothOptions, TRIAL_ITERATIONS, lift_by, untangle_with};
+use crate::smooth::{DOUBLINGS, Effort, SmoothOptions, TRIAL_ITERATIONS, lift_by, untangle_with, worth_of};
 use csalf_geom::angle::interior_angle;
 use csalf_geom::{Point2, VertexId};
 use csalf_mesh::quality::{Corners, FLAT};
@@ -18,13 +18,13 @@ const WIDEST: f64 = 0.97 * PI;
 const WHOLE: usize = 12;
 /// What an inner vertex counts beside its valence.
 const INNER: f64 = 0.02;
-/// Scaled Jacobians above this are all the same.
+/// Worths above this are all the same.
 const ENOUGH: f64 = 1.2 * POOR;
-/// A gain, and no loss: factors between scaled Jacobians.
+/// A gain, and no loss: factors between worths.
 const GAIN: f64 = 1.05;
 /// See [`GAIN`].
 const EQUAL: f64 = 0.99;
-/// A layout whose smallest scaled Jacobian is below this part of the smallest before is given up half-way. *Arbitrary.*
+/// A layout whose smallest worth is below this part of the smallest before is given up half-way. *Arbitrary.*
 const BEHIND: f64 = 0.6;
 
 /// A change that was found good.
@@ -207,13 +207,13 @@ impl Local {
         Self { around, names }
     }
 
-    /// Scaled Jacobians as they are, ascending.
+    /// Worths as they are, ascending.
     fn before(&self, site: &Site<'_>, cavity: &Cavity) -> Vec<f64> {
         let quads = self.around.iter().chain(&cavity.quads);
         sorted(quads.map(|&q| site.mesh.quads[q as usize].map(|v| site.mesh.points[v.index()])))
     }
 
-    /// Lays the disk out; its scaled Jacobians with those around, ascending, and the change, if all are positive.
+    /// Lays the disk out; its worths with those around, ascending, and the change, if all are positive.
     fn solve(
         &self,
         site: &Site<'_>,
@@ -256,7 +256,7 @@ impl Local {
         lift(&mut mesh, &DOUBLINGS[..1]);
         // What is far behind after the first power does not win by the others.
         let least = BEHIND * before.first().copied().unwrap_or(0.0);
-        if corners(&mesh).any(|p| Corners::new(&p).min_scaled() < least) {
+        if corners(&mesh).any(|p| worth_of(&p) < least) {
             return None;
         }
         lift(&mut mesh, &DOUBLINGS[1..]);
@@ -286,7 +286,7 @@ fn corners(mesh: &QuadMesh) -> impl Iterator<Item = [Point2; 4]> {
 }
 
 fn sorted(quads: impl Iterator<Item = [Point2; 4]>) -> Vec<f64> {
-    let mut out: Vec<f64> = quads.map(|p| Corners::new(&p).min_scaled()).filter(|&s| s < ENOUGH).collect();
+    let mut out: Vec<f64> = quads.map(|p| worth_of(&p)).filter(|&s| s < ENOUGH).collect();
     out.sort_unstable_by(f64::total_cmp);
     out
 }

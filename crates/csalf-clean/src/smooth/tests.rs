@@ -401,3 +401,16 @@ fn lifting_raises_the_worst_corner_and_nothing_else_moves() {
     assert!((0..mesh.n_vertices()).all(|v| !t.on_boundary[v] || mesh.points[v] == old.points[v]));
     assert_eq!(lift(&mut mesh.clone(), &t, &fixed, 0.0, 3), 0);
 }
+
+/// All corners look well, but one side has nearly vanished.
+#[test]
+fn lifting_opens_a_vanished_side() {
+    let mut mesh = grid(8, 8);
+    let (a, b) = (4 * 9 + 4, 4 * 9 + 5);
+    mesh.points[b] = mesh.points[a] + Point2::new(2e-4, 0.0);
+    let t = topology(&mesh);
+    assert!(QualityReport::new(&mesh, None, None).min_sj > 0.7);
+    assert_eq!(lift(&mut mesh, &t, &[], 0.25, 3), 1);
+    assert!(mesh.points[a].distance(mesh.points[b]) > 0.25);
+    assert!(QualityReport::new(&mesh, None, None).min_sj > 0.7);
+}
