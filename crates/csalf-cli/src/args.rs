@@ -184,8 +184,8 @@ pub struct PlotArgs {
     /// Picture to write: .svg or .png; `-` is standard output
     #[arg(short, long, value_name = "OUT", value_hint = ValueHint::FilePath)]
     pub output: PathBuf,
-    /// What the colours show: scaled_jacobian, shape, skew, aspect_ratio, jacobian_ratio, min_angle, max_angle, area, or
-    /// values that the file has
+    /// What the colours show: scaled_jacobian, shape, skew, aspect_ratio, jacobian_ratio, min_angle, max_angle, area,
+    /// warpage, or values that the file has
     #[arg(long, value_name = "METRIC", default_value = "scaled_jacobian")]
     pub by: String,
     /// Format of the mesh, in place of its extension

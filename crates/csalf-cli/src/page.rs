@@ -8,8 +8,10 @@ use base64::Engine as _;
 use csalf_core::Meshed;
 use csalf_geom::polygon::bounds;
 use csalf_mesh::quality::QualityReport;
-use csalf_mesh::quality::metrics::{self, SCALES};
+use csalf_mesh::quality::metrics::{self, SCALES, Scale, WARPAGE};
+use csalf_model::ModelMesh;
 use csalf_sizemap::SizeField;
+use glam::DVec3;
 use serde_json::{Map, Value, json};
 
 /// What one mesh contributes to the page.
@@ -33,19 +35,87 @@ pub fn page(meshes: &[Shown<'_>], command: &str) -> String {
         [one] => one.entries.get("name").and_then(Value::as_str).unwrap_or("mesh").to_owned(),
         all => format!("{} meshes", all.len()),
     };
-    let models: Vec<Value> = meshes.iter().map(|m| model(m, command)).collect();
+    let models: Vec<Value> = meshes.iter().map(|m| plane(m, command)).collect();
+    assemble(&title, &models.into(), include_str!("page/plane.js"), HOW_PLANE)
+}
+
+/// What a whole model contributes to its page.
+#[derive(Debug)]
+pub struct ShownModel<'a> {
+    /// The mesh of all faces.
+    pub meshed: &'a ModelMesh,
+    /// The entries of the full JSON report, with one entry per face.
+    pub entries: Map<String, Value>,
+    /// A sentence about the model.
+    pub about: &'a str,
+}
+
+/// The page for a model, meshed by `command`: to be turned, its faces listed. Cost O(n).
+pub fn model_page(shown: &ShownModel<'_>, command: &str) -> String {
+    let title = shown.entries.get("name").and_then(Value::as_str).unwrap_or("model");
+    let models = json!([space(shown, command)]);
+    assemble(title, &models, include_str!("page/space.js"), HOW_SPACE)
+}
+
+/// What the view says of itself.
+const HOW_PLANE: &str = "Drag to move, wheel or two fingers to zoom, arrows and + - 0 on the keyboard";
+/// See [`HOW_PLANE`].
+const HOW_SPACE: &str =
+    "Drag to turn, shift or two fingers to move, wheel or pinch to zoom, arrows and + - 0 on the keyboard";
+
+/// Puts a page together: its data, and the script of its view.
+fn assemble(title: &str, models: &Value, view: &str, how: &str) -> String {
     // The text stands in a script element: no `<` may close it.
-    let data = Value::from(models).to_string().replace('<', "\\u003c");
+    let data = models.to_string().replace('<', "\\u003c");
     let title = title.replace('&', "&amp;").replace('<', "&lt;");
+    let script = format!("{}\n{}", include_str!("page/common.js").trim_end(), view.trim_end());
     include_str!("page/page.html")
         .replacen("@TITLE@", &title, 1)
+        .replace("@HOW@", how)
         .replacen("@CSS@", include_str!("page/page.css").trim_end(), 1)
-        .replacen("@SCRIPT@", include_str!("page/page.js").trim_end(), 1)
+        .replacen("@SCRIPT@", &script, 1)
         // The data comes last: nothing is looked for in it.
         .replacen("@DATA@", &data, 1)
 }
 
-fn model(shown: &Shown<'_>, command: &str) -> Value {
+fn space(shown: &ShownModel<'_>, command: &str) -> Value {
+    let (mesh, heights) = shown.meshed.mesh.split();
+    let points = || shown.meshed.mesh.points.iter();
+    let low = points().fold(DVec3::INFINITY, |a, p| a.min(*p));
+    let high = points().fold(DVec3::NEG_INFINITY, |a, p| a.max(*p));
+    let (low, scale) = if low.x <= high.x { (low, (high - low).max_element()) } else { (DVec3::ZERO, 1.0) };
+    let scale = if scale > 0.0 && scale.is_finite() { scale } else { 1.0 };
+    let scales = SCALES.iter().filter(|s| s.name != "size_ratio").chain([&WARPAGE]);
+    let metrics: Vec<Value> =
+        scales.filter_map(|s| Some(metric(s, metrics::in_space(&mesh, &heights, s.name)?))).collect();
+    let mut report = shown.entries.clone();
+    let faces = report.remove("faces");
+    report.insert("quality".into(), json::quality(&QualityReport::in_space(&mesh, &heights), false));
+    json!({
+        "about": shown.about,
+        "command": command,
+        "report": report,
+        "origin": low.to_array(),
+        "scale": scale,
+        "points": base64(points().flat_map(|p| ((*p - low) / scale).to_array()).map(|x| x as f32), f32::to_le_bytes),
+        "quads": base64(mesh.quads.iter().flatten().map(|v| v.0), u32::to_le_bytes),
+        "triangles": "",
+        "edges": "",
+        "faces": faces,
+        "face_of_quad": base64(shown.meshed.face_of_quad.iter().copied(), u32::to_le_bytes),
+        "metrics": metrics,
+    })
+}
+
+/// A metric and its values, for the page.
+fn metric(s: &Scale, values: Vec<f64>) -> Value {
+    let values = base64(values.into_iter().map(|x| x as f32), f32::to_le_bytes);
+    json!({
+        "name": s.name, "label": s.label, "good": s.good, "low": s.low, "high": s.high, "values": values
+    })
+}
+
+fn plane(shown: &Shown<'_>, command: &str) -> Value {
     let mesh = &shown.meshed.mesh;
     let (low, high) = bounds(mesh.points.iter().copied()).unwrap_or_default();
     let scale = (high - low).max_element();
@@ -56,13 +126,7 @@ fn model(shown: &Shown<'_>, command: &str) -> Value {
     let metrics: Vec<Value> = SCALES
         .iter()
         .filter(|s| s.name != "size_ratio" || with_field)
-        .filter_map(|s| {
-            let values = metrics::values(mesh, s.name, shown.field)?;
-            let values = base64(values.into_iter().map(|x| x as f32), f32::to_le_bytes);
-            Some(json!({
-                "name": s.name, "label": s.label, "good": s.good, "low": s.low, "high": s.high, "values": values
-            }))
-        })
+        .filter_map(|s| Some(metric(s, metrics::values(mesh, s.name, shown.field)?)))
         .collect();
     let mut report = shown.entries.clone();
     report.insert("quality".into(), json::quality(shown.quality, false));
@@ -118,7 +182,7 @@ mod tests {
         let shown =
             Shown { meshed: &meshed, quality: &quality, field: None, entries, about: "@DATA@ of a test" };
         let page = page(&[shown], "csalf mesh 'a b.json'");
-        for wrong in ["http://", "https://", "src=", "@CSS@", "@SCRIPT@", "@TITLE@", "import "] {
+        for wrong in ["http://", "https://", "src=", "@CSS@", "@SCRIPT@", "@TITLE@", "@HOW@", "import "] {
             assert!(!page.contains(wrong), "{wrong}");
         }
         assert_eq!(page.matches("</script>").count(), 2);

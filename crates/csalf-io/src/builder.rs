@@ -55,7 +55,7 @@ pub(crate) struct Builder {
     format: &'static str,
     node_numbers: Vec<u64>,
     points: Vec<Point2>,
-    z: Option<(f64, f64)>,
+    heights: Vec<f64>,
     element_numbers: Vec<u64>,
     /// Corner numbers of all elements, one behind the other.
     corners: Vec<u64>,
@@ -81,7 +81,7 @@ impl Builder {
             format,
             node_numbers: Vec::new(),
             points: Vec::new(),
-            z: None,
+            heights: Vec::new(),
             element_numbers: Vec::new(),
             corners: Vec::new(),
             ends: Vec::new(),
@@ -106,7 +106,7 @@ impl Builder {
         }
         self.node_numbers.push(number);
         self.points.push(Point2::new(x, y));
-        self.z = Some(self.z.map_or((z, z), |(lo, hi)| (lo.min(z), hi.max(z))));
+        self.heights.push(z);
         Ok(())
     }
 
@@ -127,7 +127,7 @@ impl Builder {
         Ok(self.finish_with_lines()?.0)
     }
 
-    /// The mesh and all lines. Elements keep their order; an element number that comes again with the same corners is the same
+    /// The mesh, which may lie in space, and all lines. Elements keep their order; an element number that comes again with the same corners is the same
     /// element (Gmsh 2.2 writes one in two groups so).
     pub(crate) fn finish_with_lines(self) -> Result<(MeshData, Vec<[VertexId; 2]>), IoError> {
         let (format, place_of) = (self.format, self.place_of);
@@ -137,13 +137,13 @@ impl Builder {
         if self.points.len() > u32::MAX as usize || self.ends.len() > u32::MAX as usize {
             return Err(IoError::unsupported(format, Place::Whole, "more than 2^32 nodes or elements"));
         }
-        match self.z {
-            Some((lo, hi)) if lo != hi => {
-                let message = format!("the mesh is not planar: z runs from {lo} to {hi}");
-                return Err(IoError::unsupported(format, Place::Whole, message));
+        let mut heights = self.heights;
+        let z = heights.first().copied().unwrap_or(0.0);
+        if heights.iter().all(|other| *other == z) {
+            heights.clear();
+            if z != 0.0 {
+                notes.push(format!("all nodes lie at z = {z}; z was dropped"));
             }
-            Some((z, _)) if z != 0.0 => notes.push(format!("all nodes lie at z = {z}; z was dropped")),
-            _ => {}
         }
         let nodes = Numbers::new(&self.node_numbers);
         if let Some(n) = nodes.repeated() {
@@ -230,6 +230,6 @@ impl Builder {
             let of = |i: &usize| d.values.get(*i).copied().unwrap_or(f64::NAN);
             d.values = of_quads.iter().chain(&of_triangles).map(of).collect();
         }
-        Ok((MeshData { mesh, sets, cell_data, notes }, lines))
+        Ok((MeshData { mesh, heights, sets, cell_data, notes }, lines))
     }
 }

@@ -1,6 +1,6 @@
 //! A mesh with its sets and values, as files hold it.
 
-use crate::MidNodes;
+use crate::{IoError, MidNodes, Place};
 use csalf_mesh::{NamedSets, QuadMesh};
 
 /// One number per element: quads first, then triangles.
@@ -17,7 +17,7 @@ pub struct CellData {
 pub struct MeshView<'a> {
     /// The mesh; of one in space (`csalf_mesh::SurfaceMesh::split`), seen from above.
     pub mesh: &'a QuadMesh,
-    /// Third coordinate of each vertex; empty: the mesh lies in the plane z = 0. Pictures leave it out.
+    /// Third coordinate of each vertex; empty: the mesh lies in the plane z = 0.
     pub heights: &'a [f64],
     /// Its named groups.
     pub sets: &'a NamedSets,
@@ -43,8 +43,10 @@ impl MeshView<'_> {
 /// What a reader gives back.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct MeshData {
-    /// The mesh.
+    /// The mesh; of one in space, seen from above.
     pub mesh: QuadMesh,
+    /// Third coordinate of each vertex; empty: the mesh lies in a plane z = constant.
+    pub heights: Vec<f64>,
     /// Its named groups, as far as the format has them.
     pub sets: NamedSets,
     /// Values per element.
@@ -56,6 +58,21 @@ pub struct MeshData {
 impl MeshData {
     /// The same, as a writer takes it.
     pub fn view<'a>(&'a self, title: &'a str) -> MeshView<'a> {
-        MeshView { mesh: &self.mesh, heights: &[], sets: &self.sets, cell_data: &self.cell_data, title }
+        let (heights, sets, cell_data) = (&self.heights, &self.sets, &self.cell_data);
+        MeshView { mesh: &self.mesh, heights, sets, cell_data, title }
+    }
+
+    /// The same, for callers that know only the plane. `format`: for the message.
+    ///
+    /// # Errors
+    /// [`IoError::Unsupported`] if the mesh is not planar.
+    pub fn planar(self, format: &'static str) -> Result<Self, IoError> {
+        if self.heights.is_empty() {
+            return Ok(self);
+        }
+        let z = || self.heights.iter().copied();
+        let (lo, hi) = (z().fold(f64::INFINITY, f64::min), z().fold(f64::NEG_INFINITY, f64::max));
+        let message = format!("the mesh is not planar: z runs from {lo} to {hi}");
+        Err(IoError::unsupported(format, Place::Whole, message))
     }
 }

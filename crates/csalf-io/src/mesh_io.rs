@@ -63,7 +63,7 @@ pub fn write_mesh_with(
     }
 }
 
-/// Reads a mesh from bytes of a known format (both versions of `.msh` are read as either).
+/// Reads a mesh, plane or in space, from bytes of a known format (both versions of `.msh` are read as either).
 ///
 /// # Errors
 /// [`IoError::Syntax`] or [`IoError::Unsupported`].

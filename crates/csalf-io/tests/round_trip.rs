@@ -36,7 +36,13 @@ fn sample(nx: usize, ny: usize) -> MeshData {
         quads: vec![("layer0".into(), (0..nx).map(QuadId::new).collect()), ("q".into(), vec![QuadId(1)])],
     };
     let values = (0..mesh.quads.len() + 1).map(|i| i as f64 / 9.0).collect();
-    MeshData { mesh, sets, cell_data: vec![CellData { name: "size".into(), values }], notes: vec![] }
+    MeshData {
+        mesh,
+        heights: vec![],
+        sets,
+        cell_data: vec![CellData { name: "size".into(), values }],
+        notes: vec![],
+    }
 }
 
 fn written(format: MeshFormat, data: &MeshData) -> Vec<u8> {
@@ -103,9 +109,26 @@ fn an_empty_mesh_is_written_and_read() {
 }
 
 #[test]
-fn solid_meshes_are_refused_in_words() {
-    let e = read_mesh_bytes(MeshFormat::Obj, b"v 0 0 0\nv 1 0 0\nv 0 1 1\nf 1 2 3\n").unwrap_err();
-    assert!(e.to_string().contains("not planar"), "{e}");
+fn meshes_in_space_come_back() {
+    let mut data = sample(3, 2);
+    data.heights = (0..data.mesh.n_vertices()).map(|i| f64::from(i as u32).sin()).collect();
+    for format in READ {
+        let back = read_mesh_bytes(format, &written(format, &data)).unwrap();
+        assert_eq!(back.mesh.quads, data.mesh.quads, "{format:?}");
+        assert_eq!(back.heights.len(), data.heights.len(), "{format:?}");
+        for (a, b) in back.heights.iter().zip(&data.heights) {
+            assert!(
+                (a - b).abs() <= if format == MeshFormat::Bdf { 1e-11 } else { 0.0 },
+                "{format:?} {a} {b}"
+            );
+        }
+        let e = back.planar(format.name()).unwrap_err();
+        assert!(e.to_string().contains("not planar"), "{e}");
+    }
+}
+
+#[test]
+fn nodes_that_are_not_there_are_told() {
     let e = read_mesh_bytes(MeshFormat::Obj, b"v 0 0 0\nv 1 0 0\nf 1 2 3\n").unwrap_err();
     assert!(e.to_string().contains("line 3") && e.to_string().contains("node 3"), "{e}");
 }

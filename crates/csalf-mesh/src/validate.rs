@@ -4,7 +4,7 @@
 //! area together leave no room for overlaps or gaps.
 
 use crate::QuadMesh;
-use crate::quality::{Corners, FLAT, edges::HalfEdges};
+use crate::quality::{Corners, FLAT, edges::HalfEdges, space::laid_flat};
 use csalf_geom::{Point2, QuadId, Tolerance, VertexId, predicates::orient2d};
 
 /// What a mesh must contain. All vertices are those of the mesh.
@@ -152,6 +152,40 @@ pub fn validate(mesh: &QuadMesh, expected: &Expectation<'_>) -> Vec<MeshDefect> 
     check_edges(&edges, expected, &mut out);
     check_nodes(mesh, &edges, expected, &mut out);
     check_euler(mesh, &edges, expected, &mut out);
+    out
+}
+
+/// What is wrong with a mesh in space, seen from above with the heights of its vertices, of which nothing else is known:
+/// its indices, its shapes, each element in its mean plane, and the direction of elements that share a side. Sides of
+/// one element, and of three or more, are no defects there. Cost O(n).
+pub fn validate_in_space(mesh: &QuadMesh, heights: &[f64]) -> Vec<MeshDefect> {
+    let mut out = Vec::new();
+    check_elements(mesh, &mut out);
+    let wild = heights.iter().enumerate().filter(|(_, z)| !z.is_finite());
+    out.extend(wild.map(|(i, _)| MeshDefect::NotFinite(VertexId::new(i))));
+    if !out.is_empty() {
+        return out;
+    }
+    let flat = laid_flat(mesh, heights);
+    for (i, (vs, own)) in mesh.quads.iter().zip(&flat.quads).enumerate() {
+        if (0..4).any(|k| vs[..k].contains(&vs[k])) {
+            out.push(MeshDefect::RepeatedVertex { element: i });
+            continue;
+        }
+        let scaled = Corners::new(&own.map(|v| flat.points[v.index()])).scaled;
+        // A length of 0 makes a NaN.
+        if let Some(corner) = scaled.iter().position(|s| s.is_nan() || *s <= FLAT) {
+            out.push(MeshDefect::NotConvex { quad: QuadId::new(i), corner });
+        }
+    }
+    for (i, vs) in mesh.triangles.iter().enumerate() {
+        if vs[0] == vs[1] || vs[1] == vs[2] || vs[2] == vs[0] {
+            out.push(MeshDefect::RepeatedVertex { element: mesh.n_quads() + i });
+        }
+    }
+    let edges = HalfEdges::new(mesh);
+    let ends = |&h: &u32| MeshDefect::SameDirection(VertexId(edges.tail(h)), VertexId(edges.head(h)));
+    out.extend(edges.same_direction.iter().map(ends));
     out
 }
 

@@ -376,7 +376,7 @@ pub(crate) fn read(py: Python<'_>, path: PathBuf, format: Option<&str>) -> PyRes
         .detach(|| {
             let bytes =
                 std::fs::read(&path).map_err(|source| IoError::Open { path: path.clone(), source })?;
-            csalf_io::read_mesh_bytes(format, &bytes)
+            csalf_io::read_mesh_bytes(format, &bytes)?.planar(format.name())
         })
         .map_err(|e| errors::of_file(py, &e))?;
     if let Some(v) = wild(&data.mesh) {

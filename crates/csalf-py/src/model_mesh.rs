@@ -200,7 +200,10 @@ impl ModelMesh {
 
     /// Values of a metric, each quad in its mean plane.
     fn metric<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let values = py.detach(|| metrics::in_space(self.surface(), name));
+        let values = py.detach(|| {
+            let (mesh, heights) = self.surface().split();
+            metrics::in_space(&mesh, &heights, name)
+        });
         let unknown =
             || errors::value(format!("no metric '{name}'; known are {}", metrics::NAMES.join(", ")));
         Ok(values.ok_or_else(unknown)?.into_pyarray(py))

@@ -10,7 +10,7 @@
 //! sound quads inverted, and other programs (Verdict) use the mean plane.
 
 use crate::report::Quality3d;
-use csalf_mesh::quality::FLAT;
+use csalf_mesh::quality::{FLAT, space::warpage};
 use glam::DVec3;
 
 /// Corner Jacobians and scaled Jacobians of one quad, with the surface's normals at its corners.
@@ -30,15 +30,6 @@ pub(crate) fn corners(p: [DVec3; 4], n: [DVec3; 4]) -> ([f64; 4], [f64; 4]) {
         }
     }
     (j, s)
-}
-
-/// Distance of the corners from the mean plane, over the mean side length: 0 of a plane quad.
-pub(crate) fn warpage(p: [DVec3; 4]) -> f64 {
-    let n = (p[2] - p[0]).cross(p[3] - p[1]).normalize_or_zero();
-    let side = 0.25 * (0..4).map(|k| p[k].distance(p[(k + 1) & 3])).sum::<f64>();
-    // The corners are alternately above and below by the same height.
-    let height = 0.25 * (p[0] - p[1] + p[2] - p[3]).dot(n).abs();
-    if side > 0.0 { height / side } else { 0.0 }
 }
 
 impl Quality3d {

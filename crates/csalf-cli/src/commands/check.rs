@@ -6,7 +6,7 @@ use crate::{files, json, say};
 use csalf_geom::VertexId;
 use csalf_mesh::QuadMesh;
 use csalf_mesh::quality::QualityReport;
-use csalf_mesh::validate::{Expectation, MeshDefect, validate};
+use csalf_mesh::validate::{Expectation, MeshDefect, validate, validate_in_space};
 use serde_json::{Map, Value};
 
 /// Most defects printed.
@@ -32,10 +32,16 @@ fn check(args: &CheckArgs, level: i32) -> Result<(), Failure> {
     if mesh.n_quads() + mesh.triangles.len() == 0 {
         return Err(Failure::Invalid { input: shown, defects: vec!["the mesh has no elements".into()] });
     }
-    let mut findings = defects(mesh);
+    let in_space = !data.heights.is_empty();
+    let mut findings = if in_space { defects_in_space(mesh, &data.heights) } else { defects(mesh) };
     // Figures need indices that exist; without them there is nothing to measure.
-    let measurable = in_range(mesh);
-    let quality = measurable.then(|| QualityReport::new(mesh, None, None));
+    let quality = in_range(mesh).then(|| {
+        if in_space {
+            QualityReport::in_space(mesh, &data.heights)
+        } else {
+            QualityReport::new(mesh, None, None)
+        }
+    });
     if let (Some(q), Some(bound)) = (&quality, args.min_sj)
         && (q.min_sj < bound || q.min_sj.is_nan())
     {
@@ -81,6 +87,11 @@ pub fn defects(mesh: &QuadMesh) -> Vec<String> {
     let is_of_parts =
         |d: &MeshDefect| matches!(d, MeshDefect::Euler { got, wanted } if *got == wanted + more());
     validate(mesh, &expected).iter().filter(|d| !is_of_parts(d)).map(ToString::to_string).collect()
+}
+
+/// The same of a mesh in space: its open sides are no defects.
+fn defects_in_space(mesh: &QuadMesh, heights: &[f64]) -> Vec<String> {
+    validate_in_space(mesh, heights).iter().map(ToString::to_string).collect()
 }
 
 /// Number of parts that share no vertex. Indices must exist.

@@ -190,6 +190,9 @@ fn describe_mesh(shown: &str, data: &MeshData) -> String {
         m.triangles.len(),
         m.n_vertices()
     );
+    if !data.heights.is_empty() {
+        s.push_str(", in space");
+    }
     let names = set_names(data);
     if !names.is_empty() {
         let _ = write!(s, "\n  sets: {}", names.join(", "));

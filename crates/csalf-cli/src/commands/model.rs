@@ -11,12 +11,13 @@ use crate::metrics::scaled_jacobians;
 pub use crate::model_file::format;
 use crate::progress::{self, Progress};
 use crate::timing::timed;
-use crate::{json, layers, logging, model_file, say};
+use crate::{json, layers, logging, model_file, page, say};
 use csalf_core::Options;
 use csalf_io::{CellData, MeshView};
 use csalf_model::brep::Model;
-use csalf_model::{ModelMesh, ModelOptions, SizeRules, mesh_model};
+use csalf_model::{LoopLayers, ModelMesh, ModelOptions, SizeRules, mesh_model};
 use glam::DVec3;
+use std::fmt::Write as _;
 use std::path::Path;
 
 /// Reads a model, checks and sews it.
@@ -37,10 +38,6 @@ pub fn mesh(args: &MeshArgs, extra: &Extra, format: &str, level: i32) -> Result<
     }
     let outputs = if args.shard.is_some() { Vec::new() } else { outputs(args)? };
     let report = args.report.as_deref();
-    if report.is_some_and(|p| p.extension().is_some_and(|e| e.eq_ignore_ascii_case("html"))) {
-        let message = "the page of --report shows plane meshes; of a model, name a .json file";
-        return Err(Failure::Usage(format!("{shown}: {message}")));
-    }
     let options = options(args, extra)?;
     let keys = extra.model.clone().unwrap_or_default();
     let line = progress::wanted(level).then(Progress::start);
@@ -69,7 +66,10 @@ pub fn mesh(args: &MeshArgs, extra: &Extra, format: &str, level: i32) -> Result<
     say_failures(&shown, &meshed, outputs.first())?;
     let done = Done { model: &model, meshed: &meshed, outputs: &outputs, read_s, mesh_s: seconds, write_s };
     if let Some(path) = report {
-        let text = serde_json::to_string_pretty(&done.entries(true)).unwrap_or_default();
+        let text = match path.extension() {
+            Some(e) if e.eq_ignore_ascii_case("html") => page_of(&done),
+            _ => serde_json::to_string_pretty(&done.entries(true)).unwrap_or_default(),
+        };
         files::write(path, |sink| Ok(writeln!(sink, "{text}")?))?;
     }
     let to_stdout = outputs.iter().any(|o| files::is_standard(&o.path));
@@ -82,6 +82,28 @@ pub fn mesh(args: &MeshArgs, extra: &Extra, format: &str, level: i32) -> Result<
         0 => Ok(()),
         n => Err(Failure::Unmeshed(format!("{shown}: {n} of {} faces have no mesh", model.faces.len()))),
     }
+}
+
+/// The page of `--report FILE.html`.
+fn page_of(done: &Done<'_>) -> String {
+    let model = done.model;
+    let mut about = format!("{} faces, {} edges", model.faces.len(), model.edges.len());
+    if !model.unit.is_empty() {
+        let _ = write!(about, ", in {}", model.unit);
+    }
+    let mut entries = done.entries(true);
+    // As of plane meshes, whose page it is.
+    let layers = |l: &LoopLayers| {
+        serde_json::json!({
+            "loops": l.name, "asked": l.asked, "made": l.made, "stopped": l.why, "thickness_error": null
+        })
+    };
+    entries.insert("layers".into(), done.meshed.layers.iter().map(layers).collect());
+    let stages =
+        serde_json::json!({ "read": done.read_s.wall, "mesh": done.mesh_s.wall, "write": done.write_s.wall });
+    entries.insert("stages".into(), stages);
+    let shown = page::ShownModel { meshed: done.meshed, entries, about: &about };
+    page::model_page(&shown, &page::command_line())
 }
 
 /// Sizes: the command line, the table `[model]`, the defaults.

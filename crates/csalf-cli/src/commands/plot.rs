@@ -5,7 +5,7 @@ use crate::exit::Failure;
 use crate::files;
 use csalf_io::MeshFormat;
 use csalf_io::picture::{Shade, write_png_by, write_svg_by};
-use csalf_mesh::quality::metrics::{self, SCALES};
+use csalf_mesh::quality::metrics::{self, SCALES, WARPAGE};
 
 /// Runs the command.
 ///
@@ -29,7 +29,14 @@ pub fn run(args: &PlotArgs) -> Result<(), Failure> {
         return files::write_mesh(&data.view(&title), &csalf_io::WriteOptions::default(), &output);
     }
     let of_file = data.cell_data.iter().find(|d| d.name == args.by).map(|d| d.values.clone());
-    let Some(values) = of_file.or_else(|| metrics::values(&data.mesh, &args.by, None)) else {
+    let of_mesh = || {
+        if data.heights.is_empty() {
+            metrics::values(&data.mesh, &args.by, None)
+        } else {
+            metrics::in_space(&data.mesh, &data.heights, &args.by)
+        }
+    };
+    let Some(values) = of_file.or_else(of_mesh) else {
         let mut known: Vec<&str> = metrics::NAMES.to_vec();
         known.extend(data.cell_data.iter().map(|d| d.name.as_str()));
         return Err(Failure::Usage(format!("--by {}: known are {}", args.by, known.join(", "))));
@@ -40,7 +47,7 @@ pub fn run(args: &PlotArgs) -> Result<(), Failure> {
 
 /// The worst and the best value: those of the scale of a metric, else those that occur.
 fn limits(name: &str, values: &[f64]) -> [f64; 2] {
-    if let Some(scale) = SCALES.iter().find(|s| s.name == name) {
+    if let Some(scale) = SCALES.iter().chain([&WARPAGE]).find(|s| s.name == name) {
         return if scale.good == "low" { [scale.high, scale.low] } else { [scale.low, scale.high] };
     }
     let finite = || values.iter().copied().filter(|v| v.is_finite());

@@ -21,6 +21,7 @@ pub fn run(args: &SweepArgs, level: i32) -> Result<(), Failure> {
     let input = files::mesh_format(&args.mesh, args.input_format.as_deref())?;
     let shown = files::shown(&args.mesh);
     let data = files::read_mesh(&args.mesh, input)?;
+    let data = data.planar(input.name()).map_err(|e| Failure::of_file(&shown, &e))?;
     let length = path.windows(2).map(|w| w[0].distance(w[1])).sum();
     let levels = levels(&spec, length);
     let swept = sweep(&data.mesh, &data.sets, &path, &levels)

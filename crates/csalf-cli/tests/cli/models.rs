@@ -40,7 +40,7 @@ fn what_a_model_cannot_have_is_said() {
     std::fs::write(folder.join("block.step"), BLOCK).unwrap();
     for (args, word) in [
         (&["mesh", "block.step"][..], "nothing to write"),
-        (&["mesh", "block.step", "-o", "a.vtu", "--report", "r.html"], ".json"),
+        (&["mesh", "block.step", "-o", "a.vtu", "--format", "nonsense"], "nonsense"),
         (&["mesh", "block.step", "-o", "a.vtu", "--order", "2"], "--order"),
     ] {
         let ran = run(&folder, args);
@@ -65,4 +65,30 @@ fn info_lists_faces_and_holes() {
         (v["holes"][0]["name"].as_str(), v["holes"][0]["diameter"].as_f64()),
         (Some("hole1"), Some(12.0))
     );
+}
+
+#[test]
+fn a_meshed_model_is_checked_drawn_and_shown() {
+    let folder = folder("model_shown");
+    std::fs::write(folder.join("block.step"), BLOCK).unwrap();
+    let page = ["mesh", "block.step", "-o", "a.vtu", "-o", "a.png", "--size", "6", "--report", "a.html"];
+    assert_eq!(run(&folder, &page).code, 0);
+    let text = std::fs::read_to_string(folder.join("a.html")).unwrap();
+    for part in ["\"face_of_quad\"", "hole1", "warpage", "function triangle("] {
+        assert!(text.contains(part), "{part}");
+    }
+    assert!(!text.contains("http") && !text.contains("@HOW@"));
+    let checked = run(&folder, &["check", "a.vtu", "--json", "--min-sj", "0.3"]);
+    assert_eq!(checked.code, 0, "{}", checked.err);
+    let v = checked.json();
+    assert!(v["quality"]["max_warpage"].as_f64().is_some_and(|w| w < 0.2), "{}", checked.out);
+    assert_eq!(run(&folder, &["plot", "a.vtu", "-o", "w.svg", "--by", "warpage"]).code, 0);
+    assert!(std::fs::read_to_string(folder.join("w.svg")).unwrap().contains("</svg>"));
+    // A quad turned round is found.
+    let obj = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 1 0 1\nv 1 1 1\nf 1 2 3 4\nf 2 3 6 5\n";
+    std::fs::write(folder.join("turned.obj"), obj).unwrap();
+    let ran = run(&folder, &["check", "turned.obj"]);
+    assert!(ran.code == 1 && ran.err.contains("same direction"), "{} {}", ran.out, ran.err);
+    let swept = run(&folder, &["sweep", "turned.obj", "-o", "s.vtu", "--along", "0,0,1", "--layers", "2"]);
+    assert!(swept.code != 0 && swept.err.contains("not planar"), "{}", swept.err);
 }

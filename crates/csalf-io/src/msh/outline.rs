@@ -12,6 +12,7 @@ pub fn read_job(bytes: &[u8]) -> Result<JobInput, IoError> {
     let mut g = gather(bytes)?;
     g.name_sets();
     let (data, lines) = g.builder.finish_with_lines()?;
+    let data = data.planar(FORMAT)?;
     if lines.is_empty() {
         return Err(IoError::Empty { format: FORMAT, wanted: "line elements" });
     }

@@ -3,9 +3,13 @@
 //! - Fill: the scaled Jacobian, from orange (0) over yellow to green (1); red if it is not positive. Quads of a named
 //!   set (layers) are blue instead of green, in two shades by turns; triangles grey.
 //! - Dots: inner vertices with other than four quads. Thick lines: the boundary and edge sets.
+//!
+//! A mesh in space is seen from the front, the right and above, far elements drawn first, darker where they are turned
+//! away from the light; without dots.
 
 mod png;
 mod scene;
+mod space;
 mod svg;
 #[cfg(test)]
 mod tests;

@@ -74,9 +74,9 @@ fn draw(s: &Scene, w: &mut dyn Write) -> Result<(), IoError> {
     map.fill(Color::WHITE);
     let identity = Transform::identity();
     let lines = Stroke { width: s.line_width as f32, ..Stroke::default() };
-    for (colour, polygons) in &s.fills {
+    for fill in &s.fills {
         // Pieces of bounded size: the cost of a fill grows faster than its number of edges.
-        for part in polygons.chunks(2048) {
+        for part in fill.polygons.chunks(2048) {
             let mut b = PathBuilder::with_capacity(5 * part.len(), 4 * part.len());
             for c in part {
                 let (x, y) = xy(c[0]);
@@ -89,25 +89,21 @@ fn draw(s: &Scene, w: &mut dyn Write) -> Result<(), IoError> {
             }
             // Without lines between them, smooth edges would leave white seams.
             if let Some(path) = b.finish() {
-                map.fill_path(&path, &paint(*colour, s.line_width > 0.0), FillRule::Winding, identity, None);
+                map.fill_path(
+                    &path,
+                    &paint(fill.colour, s.line_width > 0.0),
+                    FillRule::Winding,
+                    identity,
+                    None,
+                );
                 if s.line_width > 0.0 {
                     map.stroke_path(&path, &paint([51, 51, 51], true), &lines, identity, None);
                 }
             }
         }
+        thick(&mut map, &fill.lines, s.outline_width);
     }
-    let thick = Stroke { width: s.outline_width as f32, line_cap: LineCap::Round, ..Stroke::default() };
-    for part in s.outline.chunks(2048) {
-        let mut b = PathBuilder::new();
-        for &[p, q] in part {
-            let ((px, py), (qx, qy)) = (xy(p), xy(q));
-            b.move_to(px, py);
-            b.line_to(qx, qy);
-        }
-        if let Some(path) = b.finish() {
-            map.stroke_path(&path, &paint([0, 0, 0], true), &thick, identity, None);
-        }
-    }
+    thick(&mut map, &s.outline, s.outline_width);
     for &p in &s.dots {
         let (x, y) = xy(p);
         if let Some(path) = PathBuilder::from_circle(x, y, s.dot_radius as f32) {
@@ -127,4 +123,20 @@ fn draw(s: &Scene, w: &mut dyn Write) -> Result<(), IoError> {
     }
     let bytes = map.encode_png().map_err(|e| IoError::unsupported(FORMAT, Place::Whole, e.to_string()))?;
     Ok(w.write_all(&bytes)?)
+}
+
+/// Thick black lines.
+fn thick(map: &mut Pixmap, lines: &[[[f64; 2]; 2]], width: f64) {
+    let stroke = Stroke { width: width as f32, line_cap: LineCap::Round, ..Stroke::default() };
+    for part in lines.chunks(2048) {
+        let mut b = PathBuilder::new();
+        for &[p, q] in part {
+            let ((px, py), (qx, qy)) = (xy(p), xy(q));
+            b.move_to(px, py);
+            b.line_to(qx, qy);
+        }
+        if let Some(path) = b.finish() {
+            map.stroke_path(&path, &paint([0, 0, 0], true), &stroke, Transform::identity(), None);
+        }
+    }
 }

@@ -9,15 +9,15 @@ use csalf_mesh::{QuadTopology, quality::scaled_jacobian};
 pub(super) type Rgb = [u8; 3];
 
 /// A mesh of more quads than this is drawn larger, without dots.
-const MANY_QUADS: usize = 50_000;
+pub(super) const MANY_QUADS: usize = 50_000;
 /// Steps of colour: quads of one step are one path.
-const STEPS: usize = 25;
+pub(super) const STEPS: usize = 25;
 /// Space around the mesh, and between mesh and bar.
-const MARGIN: f64 = 24.0;
+pub(super) const MARGIN: f64 = 24.0;
 /// Width of the colour bar with its labels.
-const BAR_WIDTH: f64 = 56.0;
+pub(super) const BAR_WIDTH: f64 = 56.0;
 /// A picture is at least so high, for the bar.
-const MIN_HEIGHT: f64 = 160.0;
+pub(super) const MIN_HEIGHT: f64 = 160.0;
 
 /// Colours at scaled Jacobian 0, 0.5, 0.8 and 1.
 const PLAIN: [Rgb; 4] = [[222, 120, 40], [244, 224, 130], [190, 224, 170], [128, 200, 160]];
@@ -33,16 +33,24 @@ const TRIANGLE: Rgb = [190, 190, 200];
 /// A polygon of three or four corners; a triangle repeats its last corner.
 pub(super) type Corners = [[f64; 2]; 4];
 
+/// Polygons of one colour, drawn together, and thick lines over them.
+#[derive(Debug)]
+pub(super) struct Fill {
+    pub colour: Rgb,
+    pub polygons: Vec<Corners>,
+    pub lines: Vec<[[f64; 2]; 2]>,
+}
+
 /// Everything in a picture.
 #[derive(Debug, Default)]
 pub(super) struct Scene {
     pub width: f64,
     pub height: f64,
-    /// Polygons by colour.
-    pub fills: Vec<(Rgb, Vec<Corners>)>,
+    /// Polygons in the order in which they are drawn.
+    pub fills: Vec<Fill>,
     /// Width of the lines between quads; 0: none.
     pub line_width: f64,
-    /// Boundary and edge sets.
+    /// Boundary and edge sets, drawn over all polygons.
     pub outline: Vec<[[f64; 2]; 2]>,
     pub outline_width: f64,
     pub dots: Vec<[f64; 2]>,
@@ -63,7 +71,7 @@ fn colour(stops: &[Rgb; 4], sj: f64) -> Rgb {
 }
 
 /// Index of the colour of a quad: 0 bad, then `STEPS` of each of the three ranges, then triangles.
-fn bin(sj: f64, range: usize) -> usize {
+pub(super) fn bin(sj: f64, range: usize) -> usize {
     if sj.is_nan() || sj <= 0.0 {
         0
     } else {
@@ -71,7 +79,7 @@ fn bin(sj: f64, range: usize) -> usize {
     }
 }
 
-fn colour_of_bin(bin: usize) -> Rgb {
+pub(super) fn colour_of_bin(bin: usize) -> Rgb {
     let middle = |k: usize| (k as f64 + 0.5) / STEPS as f64;
     match bin.checked_sub(1) {
         None => BAD,
@@ -84,7 +92,7 @@ fn colour_of_bin(bin: usize) -> Rgb {
 }
 
 /// Index of the colour of a value between the limits; one that is no number is grey.
-fn bin_of(value: f64, shade: &Shade<'_>) -> usize {
+pub(super) fn bin_of(value: f64, shade: &Shade<'_>) -> usize {
     let [worst, best] = shade.limits;
     let t = (value - worst) / (best - worst);
     if t.is_nan() { 1 + 3 * STEPS } else { 1 + ((t.clamp(0.0, 1.0) * STEPS as f64) as usize).min(STEPS - 1) }
@@ -100,6 +108,9 @@ fn short(x: f64) -> String {
 impl Scene {
     /// Lays a mesh out, coloured by the scaled Jacobian or by `shade`.
     pub(super) fn new(out: &MeshView<'_>, shade: Option<&Shade<'_>>) -> Result<Self, IoError> {
+        if !out.heights.is_empty() {
+            return super::space::scene(out, shade);
+        }
         let (mesh, sets) = (out.mesh, out.sets);
         let n = mesh.points.len();
         let bad = |m: &str| IoError::unsupported(FORMAT, Place::Whole, m);
@@ -147,7 +158,8 @@ impl Scene {
             bins[bin].push([at(t[0]), at(t[1]), at(t[2]), at(t[2])]);
         }
         let fills = bins.into_iter().enumerate().filter(|b| !b.1.is_empty());
-        let fills = fills.map(|(k, polygons)| (colour_of_bin(k), polygons)).collect();
+        let fill = |(k, polygons)| Fill { colour: colour_of_bin(k), polygons, lines: Vec::new() };
+        let fills = fills.map(fill).collect();
 
         let topology = QuadTopology::new(n, &mesh.quads);
         let open = (0..4 * mesh.quads.len()).filter(|&h| topology.twin[h] == QuadTopology::NONE);
@@ -176,7 +188,7 @@ impl Scene {
         Ok(scene)
     }
 
-    fn add_bar(&mut self, x: f64, height: f64, shade: Option<&Shade<'_>>) {
+    pub(super) fn add_bar(&mut self, x: f64, height: f64, shade: Option<&Shade<'_>>) {
         let (h, w) = ((height * 0.6).min(320.0), 14.0);
         let top = MARGIN + 0.5 * (height - h);
         let step = h / STEPS as f64;

@@ -45,9 +45,9 @@ fn draw(s: &Scene, title: &str, w: &mut dyn Write) -> Result<(), IoError> {
         "shape-rendering=\"crispEdges\"".to_owned()
     };
     writeln!(w, "<g {stroke}>")?;
-    for (colour, polygons) in &s.fills {
-        write!(w, "<path fill=\"{}\" d=\"", hex(*colour))?;
-        for c in polygons {
+    for fill in &s.fills {
+        write!(w, "<path fill=\"{}\" d=\"", hex(fill.colour))?;
+        for c in &fill.polygons {
             let [a, b, c, d] = c.map(|[x, y]| [px(x), px(y)]);
             write!(w, "M{} {}L{} {} {} {}", a[0], a[1], b[0], b[1], c[0], c[1])?;
             if c != d {
@@ -56,19 +56,10 @@ fn draw(s: &Scene, title: &str, w: &mut dyn Write) -> Result<(), IoError> {
             write!(w, "z")?;
         }
         writeln!(w, "\"/>")?;
+        thick(&fill.lines, s.outline_width, w)?;
     }
     writeln!(w, "</g>")?;
-    if !s.outline.is_empty() {
-        write!(
-            w,
-            "<path fill=\"none\" stroke=\"#000\" stroke-width=\"{}\" stroke-linecap=\"round\" d=\"",
-            s.outline_width
-        )?;
-        for [a, b] in &s.outline {
-            write!(w, "M{} {}L{} {}", px(a[0]), px(a[1]), px(b[0]), px(b[1]))?;
-        }
-        writeln!(w, "\"/>")?;
-    }
+    thick(&s.outline, s.outline_width, w)?;
     if !s.dots.is_empty() {
         writeln!(w, "<g fill=\"#c00000\">")?;
         for [x, y] in &s.dots {
@@ -87,4 +78,16 @@ fn draw(s: &Scene, title: &str, w: &mut dyn Write) -> Result<(), IoError> {
     }
     writeln!(w, "</svg>")?;
     Ok(())
+}
+
+/// Thick lines as one path.
+fn thick(lines: &[[[f64; 2]; 2]], width: f64, w: &mut dyn Write) -> Result<(), IoError> {
+    if lines.is_empty() {
+        return Ok(());
+    }
+    write!(w, "<path fill=\"none\" stroke=\"#000\" stroke-width=\"{width}\" stroke-linecap=\"round\" d=\"")?;
+    for [a, b] in lines {
+        write!(w, "M{} {}L{} {}", px(a[0]), px(a[1]), px(b[0]), px(b[1]))?;
+    }
+    Ok(writeln!(w, "\"/>")?)
 }

@@ -77,3 +77,43 @@ fn colours_follow_other_values() {
     write_png_by(&view, &Shade { values: &[0.5, 1.5], limits: [0.0, 2.0] }, &mut bytes).unwrap();
     assert!(bytes.starts_with(b"\x89PNG"));
 }
+
+/// A cube, its quads turned outwards: three are seen, the other three are left out. Open, all are drawn, far ones first.
+#[test]
+fn a_closed_mesh_in_space_shows_its_near_side() {
+    let points = [(0., 0.), (1., 0.), (1., 1.), (0., 1.), (0., 0.), (1., 0.), (1., 1.), (0., 1.)];
+    let heights = [0., 0., 0., 0., 1., 1., 1., 1.];
+    let quads = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
+    let mut mesh = QuadMesh {
+        points: points.map(Point2::from).to_vec(),
+        quads: quads.map(|q| q.map(VertexId)).to_vec(),
+        triangles: vec![],
+    };
+    let sets = NamedSets::default();
+    let draw = |mesh: &QuadMesh| {
+        let view = MeshView { mesh, heights: &heights, sets: &sets, cell_data: &[], title: "cube" };
+        let mut text = Vec::new();
+        write_svg(&view, &mut text).unwrap();
+        String::from_utf8(text).unwrap()
+    };
+    let colours = |text: &str| -> Vec<String> {
+        let fills = text.lines().filter(|l| l.starts_with("<path fill=\"#"));
+        fills.flat_map(|l| vec![l[12..19].to_owned(); l.matches('M').count()]).collect()
+    };
+    let seen = colours(&draw(&mesh));
+    assert_eq!(seen.len(), 3);
+    // In a perfect cube all are of one colour, but for the light.
+    assert!(seen[0] != seen[1] && seen[1] != seen[2] && seen[2] != seen[0], "{seen:?}");
+    // Turned inwards as a whole it looks the same.
+    let mut inside_out = mesh.clone();
+    inside_out.quads.iter_mut().for_each(|q| q.reverse());
+    assert_eq!(colours(&draw(&inside_out)), seen);
+    // Without its lid the bottom is seen, too, and is drawn first.
+    mesh.quads.remove(1);
+    let open = colours(&draw(&mesh));
+    assert_eq!(open.len(), 5);
+    let mut png = Vec::new();
+    let view = MeshView { mesh: &mesh, heights: &heights, sets: &sets, cell_data: &[], title: "" };
+    write_png(&view, &mut png).unwrap();
+    assert_eq!(&png[..8], b"\x89PNG\r\n\x1a\n");
+}

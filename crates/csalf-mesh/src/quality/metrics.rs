@@ -1,12 +1,12 @@
 //! One number per element: quads first, then triangles.
 
-use super::{Corners, angles, aspect, jacobian_ratio, scaled_jacobian, shape, skew};
+use super::{Corners, angles, aspect, jacobian_ratio, scaled_jacobian, shape, skew, space};
 use crate::{QuadMesh, SurfaceMesh};
-use csalf_geom::{Point2, QuadId, VertexId};
+use csalf_geom::{Point2, QuadId};
 use csalf_sizemap::{Hint, SizeField};
 
 /// Names of all metrics, in the order in which people are shown them.
-pub const NAMES: [&str; 9] = [
+pub const NAMES: [&str; 10] = [
     "scaled_jacobian",
     "shape",
     "skew",
@@ -15,6 +15,7 @@ pub const NAMES: [&str; 9] = [
     "min_angle",
     "max_angle",
     "area",
+    "warpage",
     "size_ratio",
 ];
 
@@ -44,6 +45,9 @@ pub const SCALES: [Scale; 7] = [
     Scale { name: "size_ratio", label: "size made / wanted", good: "one", low: 0.5, high: 2.0 },
 ];
 
+/// How the metric is shown that only meshes in space have.
+pub const WARPAGE: Scale = Scale { name: "warpage", label: "warpage", good: "low", low: 0.0, high: 0.2 };
+
 /// The values of a metric; NaN where it is not defined (of triangles, or without a size field). `None` if there is no
 /// such metric. Cost O(n), and one size query per element for `size_ratio`.
 pub fn values(mesh: &QuadMesh, name: &str, field: Option<&dyn SizeField>) -> Option<Vec<f64>> {
@@ -57,6 +61,7 @@ pub fn values(mesh: &QuadMesh, name: &str, field: Option<&dyn SizeField>) -> Opt
         "min_angle" => each(mesh, |p| angles::min_max(p).0, |p| angles::min_max(p).0),
         "max_angle" => each(mesh, |p| angles::min_max(p).1, |p| angles::min_max(p).1),
         "area" => each(mesh, |p| Corners::new(p).area, |p| Corners::new(p).area),
+        "warpage" => each(mesh, |_| 0.0, |_| 0.0),
         "size_ratio" => {
             let Some(field) = field else {
                 return Some(vec![f64::NAN; mesh.n_quads() + mesh.triangles.len()]);
@@ -78,38 +83,25 @@ pub fn values(mesh: &QuadMesh, name: &str, field: Option<&dyn SizeField>) -> Opt
     })
 }
 
-/// The values of a metric of a mesh in space: each quad is laid into its mean plane first. `None` if there is no such
-/// metric; `size_ratio` is NaN. Cost O(n).
-pub fn in_space(mesh: &SurfaceMesh, name: &str) -> Option<Vec<f64>> {
-    if name == "scaled_jacobian" {
-        return Some(scaled_jacobians(mesh));
+/// The values of a metric of a mesh in space, seen from above with the heights of its vertices: each element is laid
+/// into its mean plane first. `None` if there is no such metric; `size_ratio` is NaN. Cost O(n).
+pub fn in_space(mesh: &QuadMesh, heights: &[f64], name: &str) -> Option<Vec<f64>> {
+    let of_quads = |value: fn([glam::DVec3; 4]) -> f64, of_triangle: fn(&[Point2; 3]) -> f64| {
+        let quads = mesh.quads.iter().map(|q| value(q.map(|v| space::place(mesh, heights, v))));
+        let triangles = QuadMesh { quads: Vec::new(), ..mesh.clone() };
+        let flat = space::laid_flat(&triangles, heights);
+        quads.chain(each(&flat, |_| 0.0, of_triangle)).collect()
+    };
+    match name {
+        "scaled_jacobian" => Some(of_quads(space::scaled_jacobian, scaled_jacobian::of_triangle)),
+        "warpage" => Some(of_quads(space::warpage, |_| 0.0)),
+        _ => values(&space::laid_flat(mesh, heights), name, None),
     }
-    let n = mesh.quads.len();
-    let mut flat = QuadMesh { points: Vec::with_capacity(4 * n), ..QuadMesh::default() };
-    for q in 0..n {
-        let p = mesh.corners(QuadId::new(q));
-        let normal = (p[2] - p[0]).cross(p[3] - p[1]).normalize_or_zero();
-        let along = (p[1] - p[0]).reject_from_normalized(normal).normalize_or_zero();
-        let across = normal.cross(along);
-        flat.points.extend(p.map(|c| Point2::new((c - p[0]).dot(along), (c - p[0]).dot(across))));
-        flat.quads.push(std::array::from_fn(|k| VertexId::new(4 * q + k)));
-    }
-    values(&flat, name, None)
 }
 
 /// Scaled Jacobian of each quad in space: the least over the corners, against the quad's mean normal.
 pub fn scaled_jacobians(mesh: &SurfaceMesh) -> Vec<f64> {
-    (0..mesh.quads.len())
-        .map(|q| {
-            let p = mesh.corners(QuadId::new(q));
-            let n = (p[2] - p[0]).cross(p[3] - p[1]).normalize_or_zero();
-            let corner = |k: usize| {
-                let (a, b) = (p[(k + 1) % 4] - p[k], p[(k + 3) % 4] - p[k]);
-                a.cross(b).dot(n) / (a.length() * b.length())
-            };
-            (0..4).map(corner).fold(1.0, f64::min)
-        })
-        .collect()
+    (0..mesh.quads.len()).map(|q| space::scaled_jacobian(mesh.corners(QuadId::new(q)))).collect()
 }
 
 fn each(

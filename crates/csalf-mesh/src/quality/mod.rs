@@ -15,6 +15,7 @@ pub mod scaled_jacobian;
 pub mod shape;
 pub mod size;
 pub mod skew;
+pub mod space;
 pub mod structure;
 pub mod tau;
 #[cfg(test)]
@@ -33,7 +34,7 @@ pub use tau::Tau;
 pub const FLAT: f64 = 1e-6;
 
 /// The cards of all shape metrics, in the order of the report.
-pub const CARDS: [Card; 7] = [
+pub const CARDS: [Card; 8] = [
     scaled_jacobian::CARD,
     jacobian_ratio::CARD,
     angles::MIN_CARD,
@@ -41,4 +42,5 @@ pub const CARDS: [Card; 7] = [
     aspect::CARD,
     shape::CARD,
     skew::CARD,
+    space::CARD,
 ];

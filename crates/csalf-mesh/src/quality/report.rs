@@ -1,7 +1,9 @@
 //! All figures of one mesh.
 
 use super::edges::HalfEdges;
-use super::{Corners, SizeConformity, Structure, Tau, angles, aspect, shape, size, skew, structure};
+use super::{
+    Corners, SizeConformity, Structure, Tau, angles, aspect, metrics, shape, size, skew, space, structure,
+};
 use crate::QuadMesh;
 use csalf_sizemap::{Hint, SizeField};
 use serde::Serialize;
@@ -39,6 +41,8 @@ pub struct QualityReport {
     pub mean_skew: f64,
     /// Largest skew of the quads.
     pub max_skew: f64,
+    /// Largest warpage of the quads, of a mesh in space ([`super::space::warpage`]); `None` of a plane one.
+    pub max_warpage: Option<f64>,
     /// Quads with a corner that is concave or flat ([`super::FLAT`]); they take no part in tau.
     pub n_nonpositive: usize,
     /// tau over all quads (harmonic mean of Jmin/Jmax); `None` of no quads.
@@ -63,7 +67,7 @@ pub struct QualityReport {
     pub expected_quads: Option<f64>,
     /// Rows and rings at the boundary; `None` if the boundary passes through a node twice.
     pub structure: Option<Structure>,
-    /// Sum of the signed element areas.
+    /// Sum of the signed element areas; in space each is measured in its own plane, where it is positive.
     pub area: f64,
 }
 
@@ -78,7 +82,7 @@ impl QualityReport {
             n_triangles: mesh.triangles.len(),
             ..Self::default()
         };
-        out.measure_shapes(mesh, &edges, circle);
+        out.measure_shapes(mesh, mesh, &edges, circle);
         out.measure_vertices(&edges);
         if let Some(field) = size {
             out.size = size::conformity(&mesh.points, &edges, field);
@@ -88,7 +92,35 @@ impl QualityReport {
         out
     }
 
-    fn measure_shapes(&mut self, mesh: &QuadMesh, edges: &HalfEdges, circle: Option<[f64; 3]>) {
+    /// Measures a mesh in space, seen from above with the heights of its vertices: each element in its mean plane.
+    /// There are neither sizes nor rows at the boundary. Vertex indices must be below the number of points. Cost O(n).
+    pub fn in_space(mesh: &QuadMesh, heights: &[f64]) -> Self {
+        let edges = HalfEdges::new(mesh);
+        let mut out = Self {
+            n_vertices: mesh.n_vertices(),
+            n_quads: mesh.n_quads(),
+            n_triangles: mesh.triangles.len(),
+            ..Self::default()
+        };
+        out.measure_shapes(mesh, &space::laid_flat(mesh, heights), &edges, None);
+        out.measure_vertices(&edges);
+        // The lengths are those in space.
+        if let Some(sj) = metrics::in_space(mesh, heights, "scaled_jacobian").filter(|s| !s.is_empty()) {
+            out.summarise(sj);
+        }
+        let warpage = mesh.quads.iter().map(|q| space::warpage(q.map(|v| space::place(mesh, heights, v))));
+        out.max_warpage = Some(warpage.fold(0.0, f64::max));
+        out
+    }
+
+    /// `flat`: the elements of `mesh` in the plane, each by itself.
+    fn measure_shapes(
+        &mut self,
+        mesh: &QuadMesh,
+        flat: &QuadMesh,
+        edges: &HalfEdges,
+        circle: Option<[f64; 3]>,
+    ) {
         let n = self.n_quads + self.n_triangles;
         if n == 0 {
             return;
@@ -98,8 +130,8 @@ impl QualityReport {
         let (mut aspects, mut max_aspect) = (0.0, 0f64);
         let (mut shapes, mut min_shape, mut skews, mut max_skew) = (0.0, f64::INFINITY, 0.0, 0f64);
         let (mut global, mut local, mut boundary) = (Tau::default(), Tau::default(), Tau::default());
-        for q in &mesh.quads {
-            let p = q.map(|v| mesh.points[v.index()]);
+        for (q, own) in mesh.quads.iter().zip(&flat.quads) {
+            let p = own.map(|v| flat.points[v.index()]);
             let c = Corners::new(&p);
             sj.push(c.min_scaled());
             let (a, b) = angles::min_max(&p);
@@ -124,8 +156,8 @@ impl QualityReport {
                 }
             }
         }
-        for t in &mesh.triangles {
-            let p = t.map(|v| mesh.points[v.index()]);
+        for t in &flat.triangles {
+            let p = t.map(|v| flat.points[v.index()]);
             let c = Corners::new(&p);
             sj.push(c.min_scaled() * 2.0 / 3f64.sqrt());
             let (a, b) = angles::min_max(&p);
@@ -134,9 +166,7 @@ impl QualityReport {
             (aspects, max_aspect) = (aspects + r, max_aspect.max(r));
             self.area += c.area;
         }
-        self.mean_sj = sj.iter().sum::<f64>() / n as f64;
-        self.p1_sj = quantile(&mut sj, 0.01);
-        self.min_sj = sj.iter().copied().fold(f64::INFINITY, f64::min);
+        self.summarise(sj);
         (self.min_angle, self.max_angle) = (lo, hi);
         (self.mean_aspect, self.max_aspect) = (aspects / n as f64, max_aspect);
         if self.n_quads > 0 {
@@ -145,6 +175,13 @@ impl QualityReport {
             (self.mean_skew, self.max_skew) = (skews / m, max_skew);
         }
         (self.tau_global, self.tau_local, self.tau_boundary) = (global.mean(), local.mean(), boundary.mean());
+    }
+
+    /// The figures of the scaled Jacobians, of which there is at least one.
+    fn summarise(&mut self, mut sj: Vec<f64>) {
+        self.mean_sj = sj.iter().sum::<f64>() / sj.len() as f64;
+        self.p1_sj = quantile(&mut sj, 0.01);
+        self.min_sj = sj.iter().copied().fold(f64::INFINITY, f64::min);
     }
 
     fn measure_vertices(&mut self, edges: &HalfEdges) {
@@ -201,6 +238,9 @@ impl fmt::Display for QualityReport {
         writeln!(f, "shape             {:8.4}  {:8.4}", self.min_shape, self.mean_shape)?;
         writeln!(f, "aspect ratio      {:8.3}  {:8.3}", self.max_aspect, self.mean_aspect)?;
         writeln!(f, "skew              {:8.4}  {:8.4}", self.max_skew, self.mean_skew)?;
+        if let Some(warpage) = self.max_warpage {
+            writeln!(f, "warpage           {warpage:8.4}")?;
+        }
         writeln!(f, "angles            {:8.2} to {:.2} degrees", self.min_angle, self.max_angle)?;
         write!(f, "tau  global {}  boundary {}", opt(self.tau_global), opt(self.tau_boundary))?;
         writeln!(f, "  local {}   concave or flat quads {}", opt(self.tau_local), self.n_nonpositive)?;

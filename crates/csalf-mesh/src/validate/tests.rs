@@ -156,3 +156,26 @@ proptest! {
         prop_assert_eq!(is_strictly_convex(&p), want);
     }
 }
+
+/// A corner of a cube, open below: three squares. One turned round, one folded, one index too large.
+#[test]
+fn defects_in_space() {
+    let points = [(0., 0.), (1., 0.), (1., 1.), (0., 1.), (1., 0.), (1., 1.), (0., 1.)];
+    let heights = [1., 1., 1., 1., 0., 0., 0.];
+    let quads = [[0, 1, 2, 3], [1, 4, 5, 2], [2, 5, 6, 3]].map(|q| q.map(VertexId));
+    let sound =
+        QuadMesh { points: points.map(Point2::from).to_vec(), quads: quads.to_vec(), ..QuadMesh::default() };
+    assert_eq!(validate_in_space(&sound, &heights), vec![]);
+    let mut turned = sound.clone();
+    turned.quads[1].reverse();
+    let found = validate_in_space(&turned, &heights);
+    assert_eq!(found.len(), 2);
+    assert!(found.iter().all(|d| matches!(d, MeshDefect::SameDirection(..))), "{found:?}");
+    let mut folded = sound.clone();
+    folded.quads[0] = [0, 1, 3, 2].map(VertexId);
+    assert!(matches!(validate_in_space(&folded, &heights)[0], MeshDefect::NotConvex { quad: QuadId(0), .. }));
+    let mut wild = sound.clone();
+    wild.quads[2][1] = VertexId(7);
+    assert!(matches!(validate_in_space(&wild, &heights)[..], [MeshDefect::BadIndex { element: 2, .. }]));
+    assert!(matches!(validate_in_space(&sound, &[f64::NAN; 7])[0], MeshDefect::NotFinite(VertexId(0))));
+}

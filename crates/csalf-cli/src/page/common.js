@@ -1,4 +1,6 @@
 "use strict";
+// What both pages have: figures, colours, lists. The view (plane.js, space.js) gives prepare(), centre(e), where(e), fit(),
+// zoom(f), locate(e), paint(), and calls start().
 const models = JSON.parse(document.getElementById("data").textContent);
 const $ = (id) => document.getElementById(id);
 const canvas = $("canvas"), ctx = canvas.getContext("2d");
@@ -25,59 +27,17 @@ let m, metric, values, bin, view, marked = -1, order = [];
 
 function load(k) {
   const raw = models[k];
-  m = { ...raw, xy: decode(raw.points, Float32Array), quads: decode(raw.quads, Uint32Array),
+  m = { ...raw, points: decode(raw.points, Float32Array), quads: decode(raw.quads, Uint32Array),
     triangles: decode(raw.triangles, Uint32Array), edges: decode(raw.edges, Uint32Array) };
   m.nq = m.quads.length / 4;
   m.n = m.nq + m.triangles.length / 3;
   m.cache = {};
-  grid();
+  prepare();
   texts();
   $("metric").replaceChildren(...m.metrics.map((d) => new Option(d.label, d.name)));
   marked = -1;
   fit();
   choose(m.metrics[0].name);
-}
-
-const size = (e) => (e < m.nq ? 4 : 3);
-const corner = (e, k) => (e < m.nq ? m.quads[4 * e + k] : m.triangles[3 * (e - m.nq) + k]);
-function centre(e) {
-  const n = size(e);
-  let x = 0, y = 0;
-  for (let k = 0; k < n; k++) { const v = corner(e, k); x += m.xy[2 * v] / n; y += m.xy[2 * v + 1] / n; }
-  return [x, y];
-}
-
-// Cells of the box with the elements whose centre they hold: for drawing a part, and for taps.
-function grid() {
-  let x0 = Infinity, y0 = Infinity, x1 = -Infinity, y1 = -Infinity;
-  for (let i = 0; i < m.xy.length; i += 2) {
-    x0 = Math.min(x0, m.xy[i]); x1 = Math.max(x1, m.xy[i]);
-    y0 = Math.min(y0, m.xy[i + 1]); y1 = Math.max(y1, m.xy[i + 1]);
-  }
-  if (!(x1 > x0 || y1 > y0)) { x0 = y0 = 0; x1 = y1 = 1; }
-  const w = Math.max(x1 - x0, y1 - y0), side = Math.max(1, Math.min(256, Math.ceil(Math.sqrt(m.n / 16))));
-  const start = new Uint32Array(side * side + 1), cell = new Uint32Array(m.n);
-  let reach = 0;
-  for (let e = 0; e < m.n; e++) {
-    const [x, y] = centre(e);
-    for (let k = 0; k < size(e); k++) {
-      const v = corner(e, k);
-      reach = Math.max(reach, Math.abs(m.xy[2 * v] - x), Math.abs(m.xy[2 * v + 1] - y));
-    }
-    const i = Math.min(side - 1, Math.floor((x - x0) / w * side)), j = Math.min(side - 1, Math.floor((y - y0) / w * side));
-    cell[e] = j * side + i;
-    start[cell[e] + 1]++;
-  }
-  for (let i = 0; i < side * side; i++) start[i + 1] += start[i];
-  const next = start.slice(), list = new Uint32Array(m.n);
-  for (let e = 0; e < m.n; e++) list[next[cell[e]]++] = e;
-  m.grid = { x0, y0, x1, y1, w, side, start, list, reach };
-}
-function* within(xa, ya, xb, yb) {
-  const g = m.grid, at = (t, t0) => Math.min(g.side - 1, Math.max(0, Math.floor((t - t0) / g.w * g.side)));
-  const [i0, i1] = [at(xa - g.reach, g.x0), at(xb + g.reach, g.x0)], [j0, j1] = [at(ya - g.reach, g.y0), at(yb + g.reach, g.y0)];
-  for (let j = j0; j <= j1; j++)
-    for (let s = g.start[j * g.side + i0]; s < g.start[j * g.side + i1 + 1]; s++) yield g.list[s];
 }
 
 function choose(name) {
@@ -123,22 +83,24 @@ function legend() {
   $("low").textContent = short(metric.low);
   $("high").textContent = short(metric.high);
 }
+const size = (e) => (e < m.nq ? 4 : 3);
+const corner = (e, k) => (e < m.nq ? m.quads[4 * e + k] : m.triangles[3 * (e - m.nq) + k]);
+const place = (x, axis) => m.origin[axis] + x * m.scale;
+const where = (e) => `(${centre(e).map((x, axis) => short(place(x, axis))).join(", ")})`;
+const named = (e) => (e < m.nq ? `quad ${e}` : `triangle ${e - m.nq}`) + (m.faces ? ` of ${m.faces[m.faceOf[e]].name}` : "");
 function worst() {
   $("worst").replaceChildren(...order.map(([, e], k) => {
-    const b = document.createElement("button"), [x, y] = centre(e), li = document.createElement("li");
+    const b = document.createElement("button"), li = document.createElement("li");
     b.innerHTML = "<span></span><span></span>";
     b.children[0].textContent = `${k + 1}. ${named(e)}`;
     b.children[1].textContent = short(values[e]);
-    b.title = `at (${short(place(x, 0))}, ${short(place(y, 1))})`;
+    b.title = `at ${where(e)}`;
     b.dataset.element = e;
     b.onclick = () => locate(e);
     li.append(b);
     return li;
   }));
 }
-const named = (e) => (e < m.nq ? `quad ${e}` : `triangle ${e - m.nq}`);
-const place = (x, axis) => m.origin[axis] + x * m.scale;
-
 function histogram() {
   const c = $("histogram"), r = devicePixelRatio || 1, w = c.clientWidth, h = c.clientHeight, g = c.getContext("2d");
   c.width = w * r; c.height = h * r;
@@ -165,120 +127,15 @@ function histogram() {
   g.fillText(end, w - g.measureText(end).width, h - 3);
 }
 
-function fit() {
-  const g = m.grid, w = canvas.clientWidth, h = canvas.clientHeight, pad = 16;
-  const s = Math.min((w - 2 * pad) / (g.x1 - g.x0 || 1), (h - 2 * pad) / (g.y1 - g.y0 || 1));
-  view = { s, x: 0.5 * (g.x0 + g.x1), y: 0.5 * (g.y0 + g.y1), least: s / 4 };
-}
-function zoom(f, px = canvas.clientWidth / 2, py = canvas.clientHeight / 2) {
-  const [x, y] = model(px, py);
-  view.s = Math.min(Math.max(view.s * f, view.least), view.least * 4e6);
-  const [qx, qy] = model(px, py);
-  view.x += x - qx; view.y += y - qy;
-  draw();
-}
-const model = (px, py) => [view.x + (px - canvas.clientWidth / 2) / view.s, view.y - (py - canvas.clientHeight / 2) / view.s];
-function locate(e) {
-  marked = e;
-  const [x, y] = centre(e);
-  let reach = 0;
-  for (let k = 0; k < size(e); k++) reach = Math.max(reach, Math.hypot(m.xy[2 * corner(e, k)] - x, m.xy[2 * corner(e, k) + 1] - y));
-  view.x = x; view.y = y;
-  view.s = Math.max(view.least * 4, Math.min(canvas.clientWidth, canvas.clientHeight) / (14 * reach));
-  tell(e);
-  draw();
-}
 function tell(e) {
   const parts = m.metrics.map((d) => `${d.label} ${short((m.cache[d.name] ??= decode(d.values, Float32Array))[e])}`);
-  const [x, y] = centre(e);
-  $("here").textContent = `${named(e)} at (${short(place(x, 0))}, ${short(place(y, 1))}): ${parts.join(", ")}`;
+  $("here").textContent = `${named(e)} at ${where(e)}: ${parts.join(", ")}`;
   for (const b of document.querySelectorAll("#worst button")) b.setAttribute("aria-current", String(Number(b.dataset.element) === e));
 }
 
 let wanted = 0;
 function draw() { if (!wanted) wanted = requestAnimationFrame(paint); }
-function paint() {
-  wanted = 0;
-  const r = devicePixelRatio || 1, w = canvas.clientWidth, h = canvas.clientHeight;
-  if (canvas.width !== Math.round(w * r) || canvas.height !== Math.round(h * r)) { canvas.width = Math.round(w * r); canvas.height = Math.round(h * r); }
-  ctx.setTransform(r, 0, 0, r, 0, 0);
-  ctx.clearRect(0, 0, w, h);
-  const [xa, yb] = model(0, 0), [xb, ya] = model(w, h);
-  const X = (v) => (m.xy[2 * v] - view.x) * view.s + w / 2, Y = (v) => (view.y - m.xy[2 * v + 1]) * view.s + h / 2;
-  const groups = Array.from({ length: STEPS + 1 }, () => []);
-  let n = 0;
-  for (const e of within(xa, ya, xb, yb)) { groups[bin[e]].push(e); n++; }
-  const pixels = Math.sqrt(Math.max(1, w * h) / Math.max(1, n));
-  groups.forEach((list, k) => {
-    if (!list.length) return;
-    ctx.beginPath();
-    for (const e of list) {
-      ctx.moveTo(X(corner(e, 0)), Y(corner(e, 0)));
-      for (let i = 1; i < size(e); i++) ctx.lineTo(X(corner(e, i)), Y(corner(e, i)));
-      ctx.closePath();
-    }
-    ctx.fillStyle = k < STEPS ? PALETTE[k] : "#999";
-    ctx.fill();
-    if (pixels > 4) { ctx.lineWidth = Math.min(1, pixels / 12); ctx.strokeStyle = "rgba(20, 26, 38, 0.65)"; }
-    else { ctx.lineWidth = 0.7; ctx.strokeStyle = ctx.fillStyle; }
-    ctx.stroke();
-  });
-  ctx.beginPath();
-  for (let i = 0; i < m.edges.length; i += 2) { ctx.moveTo(X(m.edges[i]), Y(m.edges[i])); ctx.lineTo(X(m.edges[i + 1]), Y(m.edges[i + 1])); }
-  ctx.lineWidth = pixels > 4 ? 1.6 : 1;
-  ctx.strokeStyle = getComputedStyle(document.body).color;
-  ctx.stroke();
-  if (marked >= 0) {
-    ctx.beginPath();
-    for (let i = 0; i < size(marked); i++) ctx.lineTo(X(corner(marked, i)), Y(corner(marked, i)));
-    ctx.closePath();
-    ctx.lineWidth = 5; ctx.strokeStyle = "#fff"; ctx.stroke();
-    ctx.lineWidth = 2.5; ctx.strokeStyle = "#d1006c"; ctx.stroke();
-  }
-}
 
-function tap(px, py) {
-  const [x, y] = model(px, py);
-  for (const e of within(x, y, x, y)) {
-    let inside = true;
-    for (let k = 0, n = size(e); k < n && inside; k++) {
-      const a = corner(e, k), b = corner(e, (k + 1) % n);
-      inside = (m.xy[2 * b] - m.xy[2 * a]) * (y - m.xy[2 * a + 1]) - (m.xy[2 * b + 1] - m.xy[2 * a + 1]) * (x - m.xy[2 * a]) >= 0;
-    }
-    if (inside) { marked = e; tell(e); draw(); return; }
-  }
-  marked = -1;
-  $("here").textContent = `(${short(place(x, 0))}, ${short(place(y, 1))})`;
-  draw();
-}
-
-const fingers = new Map();
-let moved = 0;
-canvas.addEventListener("pointerdown", (ev) => { canvas.setPointerCapture(ev.pointerId); fingers.set(ev.pointerId, [ev.offsetX, ev.offsetY]); moved = fingers.size > 1 ? 99 : 0; });
-canvas.addEventListener("pointermove", (ev) => {
-  const old = fingers.get(ev.pointerId);
-  if (!old) return;
-  const now = [ev.offsetX, ev.offsetY], other = [...fingers].find(([id]) => id !== ev.pointerId)?.[1];
-  const share = other ? 0.5 : 1;
-  view.x -= share * (now[0] - old[0]) / view.s; view.y += share * (now[1] - old[1]) / view.s;
-  moved += Math.hypot(now[0] - old[0], now[1] - old[1]);
-  fingers.set(ev.pointerId, now);
-  if (other) zoom(Math.hypot(now[0] - other[0], now[1] - other[1]) / Math.max(1, Math.hypot(old[0] - other[0], old[1] - other[1])), (now[0] + other[0]) / 2, (now[1] + other[1]) / 2);
-  draw();
-});
-const release = (ev) => { const at = fingers.get(ev.pointerId); fingers.delete(ev.pointerId); if (at && moved < 5 && ev.type === "pointerup") tap(...at); };
-canvas.addEventListener("pointerup", release);
-canvas.addEventListener("pointercancel", release);
-canvas.addEventListener("wheel", (ev) => { ev.preventDefault(); zoom(Math.exp(-ev.deltaY * (ev.deltaMode ? 0.05 : 0.0015)), ev.offsetX, ev.offsetY); }, { passive: false });
-canvas.addEventListener("keydown", (ev) => {
-  const step = 60 / view.s, moves = { ArrowLeft: [-step, 0], ArrowRight: [step, 0], ArrowUp: [0, step], ArrowDown: [0, -step] };
-  if (moves[ev.key]) { view.x += moves[ev.key][0]; view.y += moves[ev.key][1]; draw(); }
-  else if (ev.key === "+" || ev.key === "=") zoom(1.3);
-  else if (ev.key === "-") zoom(1 / 1.3);
-  else if (ev.key === "0") { fit(); draw(); }
-  else return;
-  ev.preventDefault();
-});
 $("fit").onclick = () => { fit(); draw(); };
 $("in").onclick = () => zoom(1.5);
 $("out").onclick = () => zoom(1 / 1.5);
@@ -287,16 +144,16 @@ $("outline").onchange = (ev) => load(Number(ev.target.value));
 new ResizeObserver(() => { histogram(); draw(); }).observe(canvas);
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { histogram(); draw(); });
 
-function rows(table, list) {
-  table.replaceChildren(...list.map(([name, value, kind]) => {
-    const tr = table.insertRow();
-    tr.insertCell().textContent = name;
-    const cell = tr.insertCell();
-    cell.className = "n" + (kind ? " " + kind : "");
-    cell.textContent = value;
-    return tr;
-  }));
+
+function row([name, value]) {
+  const tr = document.createElement("tr");
+  tr.insertCell().textContent = name;
+  const cell = tr.insertCell();
+  cell.className = "n";
+  cell.textContent = value;
+  return tr;
 }
+const rows = (table, list) => table.replaceChildren(...list.map(row));
 function texts() {
   const r = m.report, q = r.quality;
   $("title").textContent = r.name || "mesh";
@@ -304,6 +161,10 @@ function texts() {
   $("command").textContent = m.command;
   const figures = [["quads", q.n_quads], ["vertices", q.n_vertices], ["triangles", q.n_triangles], ["smallest scaled Jacobian", q.min_sj],
     ["mean scaled Jacobian", q.mean_sj], ["irregular inner vertices", q.n_irregular], ["meshed in", seconds(r.mesh_s)]];
+  if (m.faces) {
+    figures.splice(2, 1, ["faces meshed", `${r.n_faces - r.failures.length} of ${r.n_faces}`], ["sides of one quad only", r.n_free_sides],
+      ["… of three and more", r.n_branching_sides]);
+  }
   $("figures").replaceChildren(...figures.map(([name, value]) => {
     const div = document.createElement("div");
     div.innerHTML = "<b></b><span></span>";
@@ -325,7 +186,9 @@ function texts() {
     ["angles, degrees", `${short(q.min_angle)} to ${short(q.max_angle)}`], ["aspect ratio, largest", short(q.max_aspect)], ["… mean", short(q.mean_aspect)],
     ["skew, largest", short(q.max_skew)], ["shape, smallest", short(q.min_shape)], ["tau, all", short(q.tau_global)], ["tau, at the boundary", short(q.tau_boundary)],
     ["irregular share", short(q.irregular_share)], ["largest valence", short(q.max_valence)]]);
+  if (q.max_warpage !== null) $("quality").append(row(["warpage, largest", short(q.max_warpage)]));
   const s = q.size;
+  $("sized").hidden = Boolean(m.faces);
   rows($("size"), s ? [["edges of the wanted size", (100 * s.share).toFixed(1) + " %"], ["ratio made / wanted", `${short(s.min_ratio)} to ${short(s.max_ratio)}`],
     ["mean of log", short(s.mean_log)], ["root mean square of log", short(s.rms_log)], ["quads that the sizes ask for", short(Math.round(q.expected_quads))]] : [["no size field", ""]]);
   const total = Object.values(r.stages).reduce((a, b) => a + b, 0) || 1;
@@ -342,10 +205,13 @@ function texts() {
     n.className = "n";
     n.textContent = t === null ? "–" : seconds(t);
   }
+  if (r.peak_memory_mb) times.append(row(["memory, at most", short(Math.round(r.peak_memory_mb)) + " MB"]));
 }
 
-if (models.length > 1) {
-  $("which").hidden = false;
-  $("outline").replaceChildren(...models.map((d, k) => new Option(d.report.name || `outline ${k}`, k)));
+function start() {
+  if (models.length > 1) {
+    $("which").hidden = false;
+    $("outline").replaceChildren(...models.map((d, k) => new Option(d.report.name || `outline ${k}`, k)));
+  }
+  load(0);
 }
-load(0);
