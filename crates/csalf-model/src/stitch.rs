@@ -11,6 +11,7 @@ use crate::face::{MeshedFace, NodeName, NodeTable};
 use crate::mesh::{FaceResult, NamedLoop};
 use crate::report::{FaceFailure, LoopLayers, ModelMesh};
 use csalf_geom::{QuadId, VertexId};
+use csalf_mesh::quality::{FLAT, space::scaled_jacobian};
 use csalf_surface::LayerSpec;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -130,6 +131,22 @@ fn add_face(
         out.sets.nodes.extend(name.zip(node).map(|(n, v)| (n.clone(), vec![VertexId(v)])));
     }
     out.warnings.extend(m.warnings);
+    say_folded(face_name, first_quad, out);
+}
+
+/// A warning if quads from the `first` on are not convex in their mean planes.
+fn say_folded(face_name: &str, first: usize, out: &mut ModelMesh) {
+    let quads = (first..out.mesh.quads.len()).map(|q| out.mesh.corners(QuadId::new(q)));
+    let folded: Vec<DVec3> =
+        quads.filter(|p| scaled_jacobian(*p) <= FLAT).map(|p| 0.25 * (p[0] + p[1] + p[2] + p[3])).collect();
+    if let Some(at) = folded.first() {
+        let n = folded.len();
+        out.warnings.push(format!(
+            "{face_name}: {n} quads are folded in space, the first at {:?}: the face is creased more sharply than quads of \
+             this size can follow; mesh it with a smaller size, or mend the surface",
+            at.to_array()
+        ));
+    }
 }
 
 /// Adds quads to the set of this name from the `first` on; the two loops of a seam have one name.
