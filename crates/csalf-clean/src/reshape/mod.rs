@@ -3,18 +3,20 @@
 //! ```text
 //!   poor quad ──▶ small disks of quads with it ──▶ all quadrangulations of their rims, most promising first
 //!       ▲                                                │ each: lay out, untangle, lift the worst corners
-//!       └───────────── next pass ◀── smallest worths around are larger: taken
+//!       └───────────── next pass ◀── the least worth around is larger: taken
 //! ```
 //!
 //! 1. Seeds: quads with a poor corner that is not forced by given nodes, the worst first.
 //! 2. [`cavities`](cavity): disks of one to about ten quads at the seed.
 //! 3. Candidates: quadrangulations of the rim by the table of small disks, rated by valences and by the angles
 //!    that given nodes leave to each quad.
-//! 4. [`trial`]: the best few are laid out in a copy of the surroundings, untangled and lifted. The list of the
-//!    worths there, ascending, decides: the first clear difference must be a gain.
+//! 4. [`trial`]: the best few are laid out in a copy of the surroundings, untangled and lifted. The list of what
+//!    the quads there are worth, ascending, decides: the first clear difference must be a gain. A quad is worth its
+//!    scaled Jacobian, or less if a side is far shorter than the one opposite (`smooth::lift`); the smallest scaled
+//!    Jacobian must not fall.
 //! 5. What is accepted in a pass shares no vertex; it is applied at once, and the next pass begins.
 //!
-//! **Termination.** The sorted list of all worths (`lift`) grows in lexicographic order by a factor with every change;
+//! **Termination.** The sorted list of what all quads are worth grows in lexicographic order by a factor with every change;
 //! passes and trials are limited besides. Nothing depends on the number of threads. Cost: one look at every quad where
 //! nothing is poor; else about a millisecond per trial.
 
@@ -23,12 +25,12 @@ mod trial;
 
 use crate::driver::{apply, compose};
 use crate::ops::{Edit, Site};
-use crate::smooth::worth;
 use csalf_geom::{Tolerance, VertexId};
+use csalf_mesh::quality::Corners;
 use csalf_mesh::{QuadMesh, QuadTopology};
 use csalf_sizemap::SizeField;
 
-/// Quads with a corner worth less than this are seeds.
+/// Quads below this scaled Jacobian are seeds.
 pub const POOR: f64 = 0.25;
 /// Passes at most.
 const PASSES: usize = 8;
@@ -69,7 +71,7 @@ pub struct ReshapeReport {
     pub quads: Vec<u32>,
 }
 
-/// Replaces quads around poor ones where that raises the smallest worths (`lift`: sines, less where sides are very uneven). `fixed` and `protected` follow the new
+/// Replaces quads around poor ones where that raises the smallest scaled Jacobians. `fixed` and `protected` follow the new
 /// numbers; `topology` is made anew when something was changed. Protected quads and the edges in `kept` stay.
 pub fn reshape(
     mesh: &mut QuadMesh,
@@ -149,14 +151,13 @@ fn key(mesh: &QuadMesh, q: u32) -> u64 {
     bits.into_iter().fold(0, |sum, b| mix(sum ^ b))
 }
 
-/// Poor quads with their worth, the worst first, but for those that given nodes force.
+/// Poor quads with their scaled Jacobian, the worst first, but for those that given nodes force.
 fn seeds(site: &Site<'_>) -> Vec<(f64, u32)> {
     let mut out: Vec<(f64, u32)> = Vec::new();
     for (q, vs) in site.mesh.quads.iter().enumerate() {
-        let p = vs.map(|v| site.mesh.points[v.index()]);
-        let worths: [f64; 4] = std::array::from_fn(|k| worth(p[k], p[(k + 1) & 3], p[(k + 3) & 3]));
-        let poor = (0..4).filter(|&k| worths[k] < POOR);
-        let worst = poor.filter(|&k| !is_forced(site, q as u32, k)).map(|k| worths[k]).fold(POOR, f64::min);
+        let sines = Corners::new(&vs.map(|v| site.mesh.points[v.index()])).scaled;
+        let poor = (0..4).filter(|&k| sines[k] < POOR);
+        let worst = poor.filter(|&k| !is_forced(site, q as u32, k)).map(|k| sines[k]).fold(POOR, f64::min);
         if worst < POOR {
             out.push((worst, q as u32));
         }

@@ -1,7 +1,6 @@
 use super::*;
 use crate::smooth::lift;
 use csalf_geom::Point2;
-use csalf_mesh::quality::Corners;
 use csalf_sizemap::Uniform;
 
 /// n x n unit quads.

@@ -3,7 +3,9 @@
 use super::cavity::{Cavity, around};
 use super::{POOR, ReshapeTask};
 use crate::ops::{Disk, Edit, Site, disks};
-use crate::smooth::{DOUBLINGS, Effort, SmoothOptions, TRIAL_ITERATIONS, lift_by, untangle_with, worth_of};
+use crate::smooth::{
+    DOUBLINGS, Effort, SmoothOptions, TRIAL_ITERATIONS, least_sine, lift_by, untangle_with, worth,
+};
 use csalf_geom::angle::interior_angle;
 use csalf_geom::{Point2, VertexId};
 use csalf_mesh::quality::{Corners, FLAT};
@@ -18,13 +20,13 @@ const WIDEST: f64 = 0.97 * PI;
 const WHOLE: usize = 12;
 /// What an inner vertex counts beside its valence.
 const INNER: f64 = 0.02;
-/// Worths above this are all the same.
+/// What is worth more than this is all the same.
 const ENOUGH: f64 = 1.2 * POOR;
 /// A gain, and no loss: factors between worths.
 const GAIN: f64 = 1.05;
 /// See [`GAIN`].
 const EQUAL: f64 = 0.99;
-/// A layout whose smallest worth is below this part of the smallest before is given up half-way. *Arbitrary.*
+/// A layout whose smallest sine is below this part of the smallest before is given up half-way. *Arbitrary.*
 const BEHIND: f64 = 0.6;
 
 /// A change that was found good.
@@ -64,7 +66,7 @@ pub(super) fn best(
     task: &ReshapeTask<'_>,
 ) -> Found {
     let mut out = Found::default();
-    let mut places: Vec<(Cavity, Local, Vec<f64>)> = Vec::new();
+    let mut places: Vec<(Cavity, Local, Rank)> = Vec::new();
     let mut list: Vec<Candidate> = Vec::new();
     for cavity in around(site, protected, seed) {
         let local = Local::new(site, &cavity);
@@ -80,7 +82,7 @@ pub(super) fn best(
         a.cost.total_cmp(&b.cost).then(a.cavity.cmp(&b.cavity)).then(a.disk.cmp(&b.disk))
     });
     let mut seen: Vec<u64> = Vec::new();
-    let mut best: Option<Vec<f64>> = None;
+    let mut best: Option<Rank> = None;
     for Candidate { cavity, disk, .. } in list {
         if out.tried == most {
             break;
@@ -94,10 +96,10 @@ pub(super) fn best(
         seen.push(key);
         out.tried += 1;
         if let Some((after, change)) = local.solve(site, cavity, disk, before, task)
-            && is_better(&after, before)
-            && best.as_ref().is_none_or(|b| is_better(&after, b))
+            && after.is_better(before)
+            && best.as_ref().is_none_or(|b| after.is_better(b))
         {
-            let done = after.first().is_none_or(|&s| s >= POOR);
+            let done = after.worths.first().is_none_or(|&s| s >= POOR);
             (best, out.change) = (Some(after), Some(change));
             if done {
                 break;
@@ -107,19 +109,45 @@ pub(super) fn best(
     out
 }
 
-/// True if the first clear difference of two ascending lists is a gain.
-fn is_better(now: &[f64], before: &[f64]) -> bool {
-    let at = |list: &[f64], i: usize| list.get(i).copied().unwrap_or(ENOUGH).min(ENOUGH);
-    for i in 0..now.len().max(before.len()) {
-        let (a, b) = (at(now, i), at(before, i));
-        if a > GAIN * b {
-            return true;
+/// How good a place is.
+struct Rank {
+    /// What quads are worth, ascending, as far as it is not enough.
+    worths: Vec<f64>,
+    /// The smallest sine of a corner, at most [`ENOUGH`].
+    sine: f64,
+}
+
+impl Rank {
+    fn of(quads: impl Iterator<Item = [Point2; 4]>) -> Self {
+        let mut out = Self { worths: Vec::new(), sine: ENOUGH };
+        for p in quads {
+            let worth = worth(&p);
+            if worth < ENOUGH {
+                out.worths.push(worth);
+                out.sine = out.sine.min(least_sine(&p));
+            }
         }
-        if a < EQUAL * b {
+        out.worths.sort_unstable_by(f64::total_cmp);
+        out
+    }
+
+    /// True if the first clear difference of the worths is a gain, and the smallest sine does not fall.
+    fn is_better(&self, before: &Self) -> bool {
+        if self.sine < EQUAL * before.sine {
             return false;
         }
+        let at = |list: &[f64], i: usize| list.get(i).copied().unwrap_or(ENOUGH);
+        for i in 0..self.worths.len().max(before.worths.len()) {
+            let (a, b) = (at(&self.worths, i), at(&before.worths, i));
+            if a > GAIN * b {
+                return true;
+            }
+            if a < EQUAL * b {
+                return false;
+            }
+        }
+        false
     }
-    false
 }
 
 /// Adds the disks that fit the rim of a cavity, each with its cost: how far the angles of the quads will be from right ones.
@@ -207,21 +235,21 @@ impl Local {
         Self { around, names }
     }
 
-    /// Worths as they are, ascending.
-    fn before(&self, site: &Site<'_>, cavity: &Cavity) -> Vec<f64> {
+    /// How good it is as it is.
+    fn before(&self, site: &Site<'_>, cavity: &Cavity) -> Rank {
         let quads = self.around.iter().chain(&cavity.quads);
-        sorted(quads.map(|&q| site.mesh.quads[q as usize].map(|v| site.mesh.points[v.index()])))
+        Rank::of(quads.map(|&q| site.mesh.quads[q as usize].map(|v| site.mesh.points[v.index()])))
     }
 
-    /// Lays the disk out; its worths with those around, ascending, and the change, if all are positive.
+    /// Lays the disk out; how good it is with what is around, and the change, if all quads are positive.
     fn solve(
         &self,
         site: &Site<'_>,
         cavity: &Cavity,
         disk: &Disk,
-        before: &[f64],
+        before: &Rank,
         task: &ReshapeTask<'_>,
-    ) -> Option<(Vec<f64>, Change)> {
+    ) -> Option<(Rank, Change)> {
         let n_rim = cavity.rim.len();
         let find = |v: u32| VertexId(self.names.binary_search(&v).map_or(u32::MAX, |i| i as u32));
         let n_old = self.names.len();
@@ -255,8 +283,8 @@ impl Local {
         };
         lift(&mut mesh, &DOUBLINGS[..1]);
         // What is far behind after the first power does not win by the others.
-        let least = BEHIND * before.first().copied().unwrap_or(0.0);
-        if corners(&mesh).any(|p| worth_of(&p) < least) {
+        let least = BEHIND * before.sine;
+        if corners(&mesh).any(|p| least_sine(&p) < least) {
             return None;
         }
         lift(&mut mesh, &DOUBLINGS[1..]);
@@ -277,18 +305,12 @@ impl Local {
             mandatory: false,
         };
         let moved = self.names.iter().copied().zip(mesh.points.iter().copied()).collect();
-        Some((sorted(corners(&mesh)), Change { edit, moved, touched: self.names.clone() }))
+        Some((Rank::of(corners(&mesh)), Change { edit, moved, touched: self.names.clone() }))
     }
 }
 
 fn corners(mesh: &QuadMesh) -> impl Iterator<Item = [Point2; 4]> {
     mesh.quads.iter().map(|q| q.map(|v| mesh.points[v.index()]))
-}
-
-fn sorted(quads: impl Iterator<Item = [Point2; 4]>) -> Vec<f64> {
-    let mut out: Vec<f64> = quads.map(|p| worth_of(&p)).filter(|&s| s < ENOUGH).collect();
-    out.sort_unstable_by(f64::total_cmp);
-    out
 }
 
 /// Inner vertices of a disk at the mean of their neighbours.

@@ -32,7 +32,7 @@ use region::{PARALLEL_FROM, Region, Scratch, grow};
 use sweep::Sweeps;
 
 pub use lift::lift;
-pub(crate) use lift::{DOUBLINGS, TRIAL_ITERATIONS, lift_by, worth, worth_of};
+pub(crate) use lift::{DOUBLINGS, TRIAL_ITERATIONS, least_sine, lift_by, worth};
 pub use region::Boxes;
 pub(crate) use untangle::{Effort, untangle_with};
 pub use untangle::{UntangleReport, untangle};
