@@ -5,6 +5,7 @@ mod ci;
 mod compare;
 mod completions;
 mod fuzz;
+mod gallery;
 mod generated;
 mod man;
 mod paper;
@@ -57,6 +58,12 @@ enum Task {
         #[arg(long)]
         check: bool,
     },
+    /// Draw fixtures and models into docs/gallery.md and its pictures
+    Gallery {
+        /// Only compare with the committed files
+        #[arg(long)]
+        check: bool,
+    },
     /// Mesh many random domains and judge every mesh
     Stress(stress::StressArgs),
     /// Read and mesh model files with faults put into them
@@ -78,6 +85,7 @@ fn main() -> ExitCode {
         Task::Schema { check } => schema::run(&root(), check),
         Task::Site => site::run(&root()),
         Task::Paper { check } => paper::run(&root(), check),
+        Task::Gallery { check } => gallery::run(&root(), check),
         Task::Stress(args) => stress::run(&root(), &args),
         Task::FuzzModels(args) => fuzz::run(&root(), &args),
         Task::Reduce(args) => reduce::run(&root(), &args),

@@ -142,7 +142,7 @@ pub(crate) fn clean(
         smooth(mesh, &topology, &fixed, size, &AFTER_LIFT);
     }
     tracing::info!(seeds = reshaped.n_seeds, tried = reshaped.tried, taken = reshaped.taken, "reshaped");
-    // Whatever smoothing made flat or brought together. Layers lose their protection, whose numbers are not known here.
+    // Whatever smoothing made flat or brought together. Layers are not protected from it: better cut into than no mesh.
     let last = mend(mesh, &mut topology, &mut fixed, &mut Vec::new(), sets, &mending);
     mended.add(&last);
     (topology, mended)

@@ -1,6 +1,7 @@
 //! Layer 4 of csalf: the pipeline. [`mesh`] takes a [`Job`] and [`Options`] and returns a [`Meshed`] or a typed
 //! [`MeshError`]; everything below it is used through here.
 
+mod attempts;
 mod certify;
 mod cleaning;
 mod clock;

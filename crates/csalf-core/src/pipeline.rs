@@ -6,17 +6,17 @@
 //!   Meshed ◀─certify─ smooth ◀──collect── quads of rings and patches ◀────────────┘
 //! ```
 
+use crate::attempts::{Attempt, by_attempts};
 use crate::certify::certify;
 use crate::cleaning::{CleanTask, clean};
 use crate::clock;
 use crate::region::{Curves, LayerRules, RegionResult, mesh_region};
 use crate::triad::{FALLBACK, Filled, Triad};
-use crate::{Job, LoopReport, MeshError, MeshReport, Meshed, Method, Options, Preset, Warning, Watch};
+use crate::{Job, MeshError, MeshReport, Meshed, Method, Options, Preset, Watch};
 use csalf_geom::arrangement::{Arrangement, CheckOptions};
 use csalf_geom::{Point2, QuadId, VertexId};
-use csalf_mesh::quality::Corners;
 use csalf_mesh::{NamedSets, QuadMesh, QuadTopology, RegionMesher};
-use csalf_pave::{LayerSpec, LoopPaver, PavingRules};
+use csalf_pave::{LoopPaver, PavingRules};
 use csalf_sizemap::{Extras, SizeField, SizeSpec};
 use csalf_subdiv::fallback::Fallback;
 use csalf_subdiv::{SplitRules, Subdivision};
@@ -63,115 +63,17 @@ impl<'a> Stopwatch<'a> {
 
 pub(crate) fn run(job: &Job, options: &Options, watch: &dyn Watch) -> Result<Meshed, MeshError> {
     match options.threads {
-        0 => run_here(job, options, watch),
+        0 => by_attempts(job, options, watch),
         n => rayon::ThreadPoolBuilder::new()
             .num_threads(n)
             .build()
             .map_err(|e| MeshError::Internal { stage: "threads", detail: e.to_string() })?
-            .install(|| run_here(job, options, watch)),
+            .install(|| by_attempts(job, options, watch)),
     }
 }
 
-/// One way to mesh a job.
-#[derive(Clone, Debug)]
-struct Attempt {
-    options: Options,
-    /// Small contours may be closed by quads that are to be untangled.
-    loose: bool,
-    /// The mesh is repaired and smoothed.
-    clean: bool,
-    /// Which of the splits that are nearly as good are chosen ([`SplitRules::variant`]).
-    variant: u32,
-}
-
-/// Small meshes of mediocre quality are made again in this many variants; the best is kept. Of a symmetric outline, where
-/// many splits are equally good, one choice can end at a mean of 0.90 and another at 0.95.
-const VARIANTS: u32 = 2;
-/// What is small (quads), and mediocre: a mean below the first, a minimum above the second (below it the outline forces
-/// poor quads, and the work is in vain).
-const AGAIN: (usize, f64, f64) = (400, 0.93, 0.3);
-
-/// By which variants are compared: the mean scaled Jacobian and half of the smallest.
-fn shape(mesh: &QuadMesh) -> (f64, f64) {
-    let least = |q: &[VertexId; 4]| Corners::new(&q.map(|v| mesh.points[v.index()])).min_scaled();
-    let (sum, min) =
-        mesh.quads.iter().map(least).fold((0.0, 1.0), |(sum, min), s| (sum + s, f64::min(min, s)));
-    (sum / mesh.n_quads().max(1) as f64, min)
-}
-
-/// The mesh of an attempt, or a better one of its variants.
-fn best_variant(job: &Job, attempt: &Attempt, watch: &dyn Watch) -> Result<Meshed, MeshError> {
-    let mut best = mesh_once(job, attempt, watch)?;
-    let (most, mean, min) = AGAIN;
-    let quality = attempt.options.method == Method::Csalf && attempt.options.preset == Preset::Quality;
-    if !quality || best.mesh.n_quads() > most {
-        return Ok(best);
-    }
-    let mut first = shape(&best.mesh);
-    if first.0 >= mean || first.1 < min {
-        return Ok(best);
-    }
-    let n_made = |m: &Meshed| m.report.loops.iter().map(|l| l.made).sum::<usize>();
-    for variant in 1..=VARIANTS {
-        let other = match mesh_once(job, &Attempt { variant, ..attempt.clone() }, watch) {
-            Ok(other) => other,
-            // There is a mesh, though this was none.
-            Err(MeshError::Internal { .. }) => continue,
-            Err(e) => return Err(e),
-        };
-        let now = shape(&other.mesh);
-        if now.0 + 0.5 * now.1 > first.0 + 0.5 * first.1 && n_made(&other) >= n_made(&best) {
-            (first, best) = (now, other);
-        }
-    }
-    Ok(best)
-}
-
-/// Meshes with the options as given. If the certificate refuses the result (a defect of ours, on a domain at the limits
-/// of floating-point numbers), again by ever simpler means; the report says so. The last one, subdivision with convex
-/// quads only and neither layers nor smoothing, has nothing that could fail but the resolution of the numbers.
-fn run_here(job: &Job, options: &Options, watch: &dyn Watch) -> Result<Meshed, MeshError> {
-    let start = clock::now();
-    let attempt =
-        |options: &Options, loose, clean| Attempt { options: options.clone(), loose, clean, variant: 0 };
-    let fast = Options { preset: Preset::Fast, ..options.clone() };
-    let tqm = Options { method: Method::Tqm, ..fast.clone() };
-    let mut attempts = vec![attempt(options, true, true), attempt(&fast, false, true)];
-    if options.method != Method::Tqm {
-        attempts.push(attempt(&tqm, false, true));
-    }
-    attempts.push(attempt(&tqm, false, false));
-    let mut refused = Vec::new();
-    for attempt in &attempts {
-        match best_variant(job, attempt, watch) {
-            Err(_) if watch.cancelled() => return Err(MeshError::Cancelled),
-            Err(e @ MeshError::Internal { .. }) => refused.push(e),
-            Ok(mut meshed) => {
-                meshed.report.timing.wall_s = clock::now() - start;
-                let retried = |e: &MeshError| Warning::Retried { reason: e.to_string() };
-                meshed.report.warnings.extend(refused.iter().map(retried));
-                if attempt.options.method != options.method {
-                    meshed.report.loops = layers_given_up(job);
-                }
-                return Ok(meshed);
-            }
-            error => return error,
-        }
-    }
-    Err(refused.swap_remove(0))
-}
-
-/// What the report says of loops for which layers were asked, where a mesh could be made only without them.
-fn layers_given_up(job: &Job) -> Vec<LoopReport> {
-    let report = |(name, asked): (&str, Option<&LayerSpec>)| {
-        let spec = asked.filter(|spec| spec.count > 0)?;
-        let stopped = "no valid mesh could be made with layers".to_owned();
-        Some(LoopReport { name: name.to_owned(), asked: spec.count, stopped, ..LoopReport::default() })
-    };
-    Curves::asked_of(job).into_iter().filter_map(report).collect()
-}
-
-fn mesh_once(job: &Job, attempt: &Attempt, watch: &dyn Watch) -> Result<Meshed, MeshError> {
+/// Meshes in one way.
+pub(crate) fn mesh_once(job: &Job, attempt: &Attempt, watch: &dyn Watch) -> Result<Meshed, MeshError> {
     let options = &attempt.options;
     let mut stages = Stopwatch::new(watch);
     let mut report = MeshReport::default();
