@@ -116,7 +116,8 @@ class Mesh:
 
     def metric(self, name: str) -> Floats:
         """A metric per element, quads first, then triangles (NaN where it is not defined): scaled_jacobian, shape,
-        skew, aspect_ratio, jacobian_ratio, min_angle, max_angle, area, warpage, size_ratio."""
+        skew, aspect_ratio, jacobian_ratio, min_angle, max_angle, area, edge_ratio, min_edge,
+        warpage, size_ratio."""
         return self._raw.metric(name)
 
     @cached_property

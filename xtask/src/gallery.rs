@@ -45,7 +45,6 @@ const OUTLINES: [&str; 11] = [
     "sprocket",
     "welded_plate",
     "freeform_face",
-    "slotted_face",
     "disk_sources",
     "plate_layers",
     "sieve",

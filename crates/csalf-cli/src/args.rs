@@ -1,6 +1,7 @@
 //! What may stand on the command line.
 
 use crate::layers::{parse_law, parse_length};
+use crate::requirement::Requirement;
 use clap::{ArgAction, Parser, Subcommand, ValueEnum, ValueHint};
 use csalf_core::{Method, Preset};
 use csalf_io::inp::InpElement;
@@ -185,7 +186,7 @@ pub struct PlotArgs {
     #[arg(short, long, value_name = "OUT", value_hint = ValueHint::FilePath)]
     pub output: PathBuf,
     /// What the colours show: scaled_jacobian, shape, skew, aspect_ratio, jacobian_ratio, min_angle, max_angle, area,
-    /// warpage, or values that the file has
+    /// edge_ratio, min_edge, warpage, or values that the file has
     #[arg(long, value_name = "METRIC", default_value = "scaled_jacobian")]
     pub by: String,
     /// Format of the mesh, in place of its extension
@@ -205,6 +206,10 @@ pub struct CheckArgs {
     /// Fail if an element has a smaller scaled Jacobian than this
     #[arg(long, value_name = "X", allow_negative_numbers = true)]
     pub min_sj: Option<f64>,
+    /// Fail if an element does not meet this, such as 'min_angle>=30', 'edge_ratio<=5' or 'warpage<=0.05'; may be given
+    /// several times; metrics as for `csalf plot --by`
+    #[arg(long, value_name = "METRIC<=X", value_parser = Requirement::parse, action = ArgAction::Append)]
+    pub require: Vec<Requirement>,
     /// Format of the mesh, in place of its extension
     #[arg(long, value_name = "FORMAT")]
     pub format: Option<String>,

@@ -19,6 +19,7 @@ pub mod logging;
 pub mod model_file;
 pub mod page;
 pub mod progress;
+pub mod requirement;
 pub mod say;
 pub mod summary;
 pub mod timing;

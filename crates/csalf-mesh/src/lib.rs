@@ -8,6 +8,7 @@
 //! - [`RegionMesher`]: the seam. A mesher sees a [`RegionTask`] (a contour as a ring of points) and returns a
 //!   [`Patch`] in names local to it; it never sees a mesh.
 
+pub mod digest;
 pub mod mesher;
 pub mod quad_mesh;
 pub mod quality;
@@ -16,6 +17,7 @@ pub mod sweep;
 pub mod topology;
 pub mod validate;
 
+pub use digest::digest;
 pub use mesher::{Appraisal, Contour, NodeFlags, Patch, Recipe, Refusal, RegionMesher, RegionTask};
 pub use quad_mesh::{NamedSets, QuadMesh};
 pub use quality::QualityReport;

@@ -265,6 +265,7 @@ impl Mesh {
                 out.extend(json::report(&made.report, true));
             }
             out.insert("quality".into(), json::quality(&quality, true));
+            out.insert("digest".into(), csalf_mesh::digest(&self.mesh, &[]).into());
             out.insert("notes".into(), self.notes.clone().into());
             serde_json::Value::Object(out).to_string()
         })

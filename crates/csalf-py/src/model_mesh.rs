@@ -220,6 +220,7 @@ impl ModelMesh {
                 "min_sj": sj.iter().copied().fold(1.0, f64::min),
                 "mean_sj": sj.iter().sum::<f64>() / n_quads.max(1) as f64,
             });
+            let (flat, heights) = self.surface().split();
             let failure = |f: &FaceFailure| serde_json::json!({ "face": f.name, "message": f.message });
             let layer = |l: &LoopLayers| {
                 serde_json::json!({ "loop": l.name, "asked": l.asked, "made": l.made, "stopped": l.why })
@@ -232,6 +233,7 @@ impl ModelMesh {
                 "n_vertices": n_vertices,
                 "n_quads": n_quads,
                 "n_triangles": 0,
+                "digest": csalf_mesh::digest(&flat, &heights),
                 "n_free_sides": self.mesh.n_free_sides,
                 "n_branching_sides": self.mesh.n_branching_sides,
                 "quality": quality,

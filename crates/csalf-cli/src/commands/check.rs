@@ -2,11 +2,13 @@
 
 use crate::args::CheckArgs;
 use crate::exit::Failure;
+use crate::requirement::Met;
 use crate::{files, json, say};
 use csalf_geom::VertexId;
-use csalf_mesh::QuadMesh;
-use csalf_mesh::quality::QualityReport;
+use csalf_io::MeshData;
+use csalf_mesh::quality::{QualityReport, metrics};
 use csalf_mesh::validate::{Expectation, MeshDefect, validate, validate_in_space};
+use csalf_mesh::{QuadMesh, digest};
 use serde_json::{Map, Value};
 
 /// Most defects printed.
@@ -47,6 +49,12 @@ fn check(args: &CheckArgs, level: i32) -> Result<(), Failure> {
     {
         findings.push(format!("the smallest scaled Jacobian is {:.4}, less than {bound}", q.min_sj));
     }
+    let met: Vec<Met<'_>> = if quality.is_some() {
+        args.require.iter().filter_map(|r| Some(r.hold(&metric(&data, &r.metric)?))).collect()
+    } else {
+        Vec::new()
+    };
+    findings.extend(met.iter().filter(|m| m.n_failed > 0).map(|m| unmet(m, &data)));
     if !args.json {
         match &quality {
             Some(q) if level >= 0 => say::out(q.to_string().trim_end())?,
@@ -67,9 +75,40 @@ fn check(args: &CheckArgs, level: i32) -> Result<(), Failure> {
         m.insert("n_quads".into(), mesh.n_quads().into());
         m.insert("n_triangles".into(), mesh.triangles.len().into());
         m.insert("quality".into(), quality.map_or(Value::Null, |q| json::quality(&q, false)));
+        m.insert("digest".into(), digest(mesh, &data.heights).into());
+        if !met.is_empty() {
+            m.insert("requirements".into(), met.iter().map(Met::entry).collect());
+        }
         say::out(&json::success(m))?;
     }
     Ok(())
+}
+
+/// The values of a metric, of a plane mesh or in space.
+pub(super) fn metric(data: &MeshData, name: &str) -> Option<Vec<f64>> {
+    if data.heights.is_empty() {
+        metrics::values(&data.mesh, name, None)
+    } else {
+        metrics::in_space(&data.mesh, &data.heights, name)
+    }
+}
+
+/// What is not met, with the worst element and its place.
+fn unmet(met: &Met<'_>, data: &MeshData) -> String {
+    let mesh = &data.mesh;
+    let mut s = format!("{}: not met by {} elements", met.requirement, met.n_failed);
+    if let Some((element, value)) = met.worst {
+        let (what, k) = match element.checked_sub(mesh.n_quads()) {
+            None => ("quad", element),
+            Some(t) => ("triangle", t),
+        };
+        let vs: &[VertexId] = if what == "quad" { &mesh.quads[k] } else { &mesh.triangles[k] };
+        let middle = vs.iter().map(|v| mesh.points[v.index()]).sum::<csalf_geom::Point2>() / vs.len() as f64;
+        let height = vs.iter().filter_map(|v| data.heights.get(v.index())).sum::<f64>() / vs.len() as f64;
+        let z = if data.heights.is_empty() { String::new() } else { format!(", {height}") };
+        s.push_str(&format!("; the worst is {what} {k} at ({}, {}{z}) with {value:.4}", middle.x, middle.y));
+    }
+    s
 }
 
 /// True if every element names vertices that exist.

@@ -20,6 +20,7 @@ use csalf_core::{Job, Meshed, Options};
 use csalf_geom::Geometry;
 use csalf_io::inp::InpElement;
 use csalf_io::{CellData, JobFormat, JobOptions, MeshView, MidNodes, WriteOptions};
+use csalf_mesh::digest;
 use csalf_mesh::quality::{QualityReport, metrics};
 use csalf_sizemap::SizeField;
 use serde_json::{Map, Value};
@@ -314,6 +315,7 @@ impl Done {
         m.insert("mesh_s".into(), self.seconds.wall.into());
         m.insert("mesh_cpu_s".into(), self.seconds.cpu.into());
         m.insert("quality".into(), json::quality(&self.quality, full));
+        m.insert("digest".into(), digest(mesh, &[]).into());
         m.extend(json::report(&self.meshed.report, full));
         let outputs: Vec<String> = self.outputs.iter().map(|o| o.path.display().to_string()).collect();
         m.insert("outputs".into(), outputs.into());

@@ -3,6 +3,7 @@
 use crate::files::{self, Output};
 use crate::metrics::scaled_jacobians;
 use crate::timing::{self, Seconds};
+use csalf_mesh::digest;
 use csalf_model::ModelMesh;
 use csalf_model::brep::Model;
 use serde_json::{Map, Value, json};
@@ -68,6 +69,8 @@ impl Done<'_> {
         put("n_quads", meshed.mesh.quads.len().into());
         put("min_sj", least.into());
         put("mean_sj", mean.into());
+        let (flat, heights) = meshed.mesh.split();
+        put("digest", digest(&flat, &heights).into());
         put("n_free_sides", meshed.n_free_sides.into());
         put("n_branching_sides", meshed.n_branching_sides.into());
         put("read_s", self.read_s.wall.into());

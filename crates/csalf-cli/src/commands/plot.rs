@@ -29,14 +29,7 @@ pub fn run(args: &PlotArgs) -> Result<(), Failure> {
         return files::write_mesh(&data.view(&title), &csalf_io::WriteOptions::default(), &output);
     }
     let of_file = data.cell_data.iter().find(|d| d.name == args.by).map(|d| d.values.clone());
-    let of_mesh = || {
-        if data.heights.is_empty() {
-            metrics::values(&data.mesh, &args.by, None)
-        } else {
-            metrics::in_space(&data.mesh, &data.heights, &args.by)
-        }
-    };
-    let Some(values) = of_file.or_else(of_mesh) else {
+    let Some(values) = of_file.or_else(|| super::check::metric(&data, &args.by)) else {
         let mut known: Vec<&str> = metrics::NAMES.to_vec();
         known.extend(data.cell_data.iter().map(|d| d.name.as_str()));
         return Err(Failure::Usage(format!("--by {}: known are {}", args.by, known.join(", "))));

@@ -28,6 +28,12 @@ fn check_is_a_gate() {
     let good = run(&dir, &["check", "a.vtu", "--min-sj", "0.99"]);
     assert_eq!(good.code, 0, "{}", good.err);
     assert!(good.out.contains("scaled Jacobian"), "{}", good.out);
+    let held = ["check", "a.vtu", "--json", "--require", "min_angle>=89", "--require", "edge_ratio<=1.01"];
+    let held = run(&dir, &held).json();
+    assert_eq!(held["requirements"][1]["n_failed"], 0);
+    assert_eq!(held["digest"].as_str().map(str::len), Some(32));
+    let unmet = run(&dir, &["check", "a.vtu", "--require", "min_edge>=1e6"]);
+    assert!(unmet.code == 1 && unmet.err.contains("min_edge>=1000000: not met by"), "{}", unmet.err);
     let bad = run(&dir, &["check", "a.vtu", "--min-sj", "1.01"]);
     assert_eq!(bad.code, 1);
     assert!(bad.err.contains("less than 1.01"), "{}", bad.err);

@@ -6,7 +6,7 @@ use csalf_geom::{Point2, QuadId};
 use csalf_sizemap::{Hint, SizeField};
 
 /// Names of all metrics, in the order in which people are shown them.
-pub const NAMES: [&str; 10] = [
+pub const NAMES: [&str; 12] = [
     "scaled_jacobian",
     "shape",
     "skew",
@@ -15,6 +15,8 @@ pub const NAMES: [&str; 10] = [
     "min_angle",
     "max_angle",
     "area",
+    "edge_ratio",
+    "min_edge",
     "warpage",
     "size_ratio",
 ];
@@ -61,6 +63,8 @@ pub fn values(mesh: &QuadMesh, name: &str, field: Option<&dyn SizeField>) -> Opt
         "min_angle" => each(mesh, |p| angles::min_max(p).0, |p| angles::min_max(p).0),
         "max_angle" => each(mesh, |p| angles::min_max(p).1, |p| angles::min_max(p).1),
         "area" => each(mesh, |p| Corners::new(p).area, |p| Corners::new(p).area),
+        "edge_ratio" => each(mesh, |p| edge_ratio(p), |p| edge_ratio(p)),
+        "min_edge" => each(mesh, |p| edges(p).0, |p| edges(p).0),
         "warpage" => each(mesh, |_| 0.0, |_| 0.0),
         "size_ratio" => {
             let Some(field) = field else {
@@ -102,6 +106,18 @@ pub fn in_space(mesh: &QuadMesh, heights: &[f64], name: &str) -> Option<Vec<f64>
 /// Scaled Jacobian of each quad in space: the least over the corners, against the quad's mean normal.
 pub fn scaled_jacobians(mesh: &SurfaceMesh) -> Vec<f64> {
     (0..mesh.quads.len()).map(|q| space::scaled_jacobian(mesh.corners(QuadId::new(q)))).collect()
+}
+
+/// Shortest and longest side.
+fn edges(p: &[Point2]) -> (f64, f64) {
+    let length = |k: usize| p[k].distance(p[(k + 1) % p.len()]);
+    (0..p.len()).map(length).fold((f64::INFINITY, 0.0), |(lo, hi), l| (lo.min(l), hi.max(l)))
+}
+
+/// Longest over shortest side, 1 or more; infinite if one has no length. What most solvers call the aspect ratio.
+fn edge_ratio(p: &[Point2]) -> f64 {
+    let (shortest, longest) = edges(p);
+    if shortest > 0.0 { longest / shortest } else { f64::INFINITY }
 }
 
 fn each(

@@ -20,7 +20,7 @@ pub const CARD: Card = Card {
     normal: (0.0, f64::MAX),
     full: (0.0, f64::MAX),
     unit_square: 0.0,
-    source: "MSC Nastran, GEOMCHECK Q4_WARP: distance of the corners from the mean plane over the mean side",
+    source: "own; Nastran's Q4_WARP has the mean diagonal in place of the mean side, 1.4 times as long in a square",
 };
 
 /// Distance of the corners from the mean plane, over the mean side length: 0 of a plane quad.
