@@ -19,6 +19,8 @@ pub fn format(path: &Path, name: Option<&str>) -> Option<&'static str> {
         "stl" => Some("stl"),
         "obj" => Some("obj"),
         "ply" => Some("ply"),
+        "igs" | "iges" => Some("iges"),
+        "brep" | "brp" => Some("brep"),
         _ => None,
     }
 }
@@ -40,6 +42,13 @@ pub fn read(
         "step" => csalf_step::read(bytes)
             .map_err(|e| Failure::Invalid { input: shown.to_owned(), defects: vec![e.to_string()] })?,
         "stl" | "obj" | "ply" => facet_model(bytes, format, shown, feature_angle)?,
+        "iges" | "brep" => {
+            let message = format!(
+                "{shown}: {format} is read by Open CASCADE, in Python: pip install 'csalf[cad]', then \
+                 python -m csalf.cad {shown} part.step"
+            );
+            return Err(Failure::Usage(message));
+        }
         _ => {
             let message = format!("{shown}: this program was built without a reader of {format}");
             return Err(Failure::Usage(message));

@@ -38,10 +38,12 @@ fn a_model_takes_its_options_from_a_file() {
 fn what_a_model_cannot_have_is_said() {
     let folder = folder("model_wrong");
     std::fs::write(folder.join("block.step"), BLOCK).unwrap();
+    std::fs::write(folder.join("part.igs"), "").unwrap();
     for (args, word) in [
         (&["mesh", "block.step"][..], "nothing to write"),
         (&["mesh", "block.step", "-o", "a.vtu", "--format", "nonsense"], "nonsense"),
         (&["mesh", "block.step", "-o", "a.vtu", "--order", "2"], "--order"),
+        (&["mesh", "part.igs", "-o", "a.vtu"], "csalf.cad"),
     ] {
         let ran = run(&folder, args);
         assert_eq!(ran.code, 2, "{args:?}: {}", ran.err);
