@@ -89,7 +89,7 @@ fn page_of(done: &Done<'_>) -> String {
     let model = done.model;
     let mut about = format!("{} faces, {} edges", model.faces.len(), model.edges.len());
     if !model.unit.is_empty() {
-        let _ = write!(about, ", in {}", model.unit);
+        let _ = write!(about, ", in {}", model.unit.to_lowercase());
     }
     let mut entries = done.entries(true);
     // As of plane meshes, whose page it is.
