@@ -71,7 +71,8 @@ def mesh(
     """Meshes an outline, or a whole model.
 
     ``source`` is the path of a file that csalf reads, or an object with ``__geo_interface__`` (a shapely polygon). The
-    path of a model (.step, .stp, .stl, .obj, .ply, .igs, .iges, .brep) or a ``Model`` goes to ``mesh_model``, which knows more of models.
+    path of a model (.step, .stp, .stl, .obj, .ply, .igs, .iges, .brep) or a ``Model`` goes to ``mesh_model``, which
+    knows more of models.
     Or give ``loops``: the outer one first, then holes, or by name. Nodes that are given become mesh nodes, bit for
     bit; curves get nodes by the size, and so do all lines with ``resample``.
 

@@ -168,7 +168,7 @@ pub fn validate_in_space(mesh: &QuadMesh, heights: &[f64]) -> Vec<MeshDefect> {
     }
     let flat = laid_flat(mesh, heights);
     for (i, (vs, own)) in mesh.quads.iter().zip(&flat.quads).enumerate() {
-        if (0..4).any(|k| vs[..k].contains(&vs[k])) {
+        if names_twice(vs) {
             out.push(MeshDefect::RepeatedVertex { element: i });
             continue;
         }
@@ -179,7 +179,7 @@ pub fn validate_in_space(mesh: &QuadMesh, heights: &[f64]) -> Vec<MeshDefect> {
         }
     }
     for (i, vs) in mesh.triangles.iter().enumerate() {
-        if vs[0] == vs[1] || vs[1] == vs[2] || vs[2] == vs[0] {
+        if names_twice(vs) {
             out.push(MeshDefect::RepeatedVertex { element: mesh.n_quads() + i });
         }
     }
@@ -207,6 +207,11 @@ fn check_elements(mesh: &QuadMesh, out: &mut Vec<MeshDefect>) {
     }
 }
 
+/// True if an element names a vertex twice.
+fn names_twice(vs: &[VertexId]) -> bool {
+    (1..vs.len()).any(|k| vs[..k].contains(&vs[k]))
+}
+
 fn check_shapes(mesh: &QuadMesh, expected: &Expectation<'_>, out: &mut Vec<MeshDefect>) {
     let merge = Tolerance::of_points(mesh.points.iter().copied()).merge();
     let mut area = 0.0;
@@ -215,7 +220,7 @@ fn check_shapes(mesh: &QuadMesh, expected: &Expectation<'_>, out: &mut Vec<MeshD
         let p = vs.map(|v| mesh.points[v.index()]);
         let c = Corners::new(&p);
         area += c.area;
-        let repeated = (0..4).any(|k| vs[..k].contains(&vs[k]));
+        let repeated = names_twice(vs);
         if repeated {
             out.push(MeshDefect::RepeatedVertex { element: i });
         }
@@ -244,7 +249,7 @@ fn check_shapes(mesh: &QuadMesh, expected: &Expectation<'_>, out: &mut Vec<MeshD
     for (i, vs) in mesh.triangles.iter().enumerate() {
         let p = vs.map(|v| mesh.points[v.index()]);
         area += Corners::new(&p).area;
-        if vs[0] == vs[1] || vs[1] == vs[2] || vs[2] == vs[0] {
+        if names_twice(vs) {
             out.push(MeshDefect::RepeatedVertex { element: mesh.n_quads() + i });
         }
         if !left(p[0], p[1], p[2]) {

@@ -111,13 +111,16 @@ fn sine(p: Point2, n: Point2, b: Point2) -> f64 {
     if l > 0.0 { u.perp_dot(v) / l } else { -1.0 }
 }
 
-/// u of the two pairs of opposite sides: 0 and 2, 1 and 3; 0 if one has no length.
+/// u of two opposite sides; 0 if one has no length.
+fn taper([a, b]: [Point2; 2], [c, d]: [Point2; 2]) -> f64 {
+    let r = a.distance_squared(b) / c.distance_squared(d);
+    let uneven = UNEVEN * (r + r.recip());
+    if uneven.is_finite() { uneven.sqrt().recip() } else { 0.0 }
+}
+
+/// u of the two pairs of opposite sides of a quad: 0 and 2, 1 and 3.
 fn tapers(p: &[Point2; 4]) -> [f64; 2] {
-    [0, 1].map(|k| {
-        let r = p[k].distance_squared(p[k + 1]) / p[k + 2].distance_squared(p[(k + 3) & 3]);
-        let uneven = UNEVEN * (r + r.recip());
-        if uneven.is_finite() { uneven.sqrt().recip() } else { 0.0 }
-    })
+    [0, 1].map(|k| taper([p[k], p[k + 1]], [p[k + 2], p[(k + 3) & 3]]))
 }
 
 /// What a quad is worth: the least of the sines of its corners and of its pairs of sides.
@@ -138,7 +141,7 @@ fn solve(part: &mut Region, doublings: &[u32], iterations: usize) -> bool {
         return false;
     }
     let mut x = part.points[..part.n_free].to_vec();
-    let (mut best, mut at_best) = ((start, sides), None);
+    let (mut best, mut at_best, mut s0) = ((start, sides), None, start);
     let length = (part.quads.len() as f64).recip()
         * part
             .quads
@@ -146,7 +149,6 @@ fn solve(part: &mut Region, doublings: &[u32], iterations: usize) -> bool {
             .map(|q| part.points[q[0] as usize].distance(part.points[q[2] as usize]))
             .sum::<f64>();
     for &doublings in doublings {
-        let (s0, _) = terms.worst(part, &x);
         lbfgs::minimise(&mut x, iterations, 0.1 * length * s0, STOP, |x, g| {
             terms.energy(part, x, s0, doublings, g)
         });
@@ -155,6 +157,7 @@ fn solve(part: &mut Region, doublings: &[u32], iterations: usize) -> bool {
         if (now > best.0 && sides_now >= best.1.min(EVEN)) || opened {
             (best, at_best) = ((now, sides_now), Some(x.clone()));
         }
+        s0 = now;
     }
     let Some(x) = at_best else { return false };
     part.points[..part.n_free].copy_from_slice(&x);
@@ -185,7 +188,7 @@ impl Terms {
     fn worst(&self, part: &Region, x: &[Point2]) -> (f64, f64) {
         let at = |v: u32| x.get(v as usize).copied().unwrap_or_else(|| part.points[v as usize]);
         let corners = self.corners.iter().map(|c| sine(at(c[0]), at(c[1]), at(c[2])));
-        let pair = |s: &[[u32; 2]; 2]| tapers(&[at(s[0][0]), at(s[0][1]), at(s[1][0]), at(s[1][1])])[0];
+        let pair = |s: &[[u32; 2]; 2]| taper(s[0].map(at), s[1].map(at));
         (corners.fold(1.0, f64::min), self.sides.iter().map(pair).fold(1.0, f64::min))
     }
 

@@ -1,6 +1,6 @@
 "use strict";
-// What both pages have: figures, colours, lists. The view (plane.js, space.js) gives prepare(), centre(e), where(e), fit(),
-// zoom(f), locate(e), paint(), and calls start().
+// What both pages have: figures, colours, lists. The view (plane.js, space.js) gives prepare(), centre(e), fit(),
+// zoom(f), locate(e), paint(), what fingers and keys need (below), and calls start().
 const models = JSON.parse(document.getElementById("data").textContent);
 const $ = (id) => document.getElementById(id);
 const canvas = $("canvas"), ctx = canvas.getContext("2d");
@@ -136,7 +136,40 @@ function tell(e) {
 let wanted = 0;
 function draw() { if (!wanted) wanted = requestAnimationFrame(paint); }
 
-$("fit").onclick = () => { fit(); draw(); };
+// Fingers and keys, the same in both views: these give drag(dx, dy, ev, pinching), tap(x, y), arrow(x, y), showAll().
+const fingers = new Map();
+let moved = 0;
+canvas.addEventListener("pointerdown", (ev) => { canvas.setPointerCapture(ev.pointerId); fingers.set(ev.pointerId, [ev.offsetX, ev.offsetY]); moved = fingers.size > 1 ? 99 : 0; });
+canvas.addEventListener("pointermove", (ev) => {
+  const old = fingers.get(ev.pointerId);
+  if (!old) return;
+  const now = [ev.offsetX, ev.offsetY], other = [...fingers].find(([id]) => id !== ev.pointerId)?.[1];
+  const share = other ? 0.5 : 1, [dx, dy] = [now[0] - old[0], now[1] - old[1]];
+  drag(share * dx, share * dy, ev, Boolean(other));
+  moved += Math.hypot(dx, dy);
+  fingers.set(ev.pointerId, now);
+  if (other) zoom(Math.hypot(now[0] - other[0], now[1] - other[1]) / Math.max(1, Math.hypot(old[0] - other[0], old[1] - other[1])), (now[0] + other[0]) / 2, (now[1] + other[1]) / 2);
+  draw();
+});
+const release = (ev) => {
+  const at = fingers.get(ev.pointerId);
+  fingers.delete(ev.pointerId);
+  if (at && moved < 5 && ev.type === "pointerup") tap(...at);
+  draw();
+};
+canvas.addEventListener("pointerup", release);
+canvas.addEventListener("pointercancel", release);
+canvas.addEventListener("wheel", (ev) => { ev.preventDefault(); zoom(Math.exp(-ev.deltaY * (ev.deltaMode ? 0.05 : 0.0015)), ev.offsetX, ev.offsetY); }, { passive: false });
+canvas.addEventListener("keydown", (ev) => {
+  const arrows = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+  if (arrows[ev.key]) { arrow(...arrows[ev.key]); draw(); }
+  else if (ev.key === "+" || ev.key === "=") zoom(1.3);
+  else if (ev.key === "-") zoom(1 / 1.3);
+  else if (ev.key === "0") showAll();
+  else return;
+  ev.preventDefault();
+});
+$("fit").onclick = showAll;
 $("in").onclick = () => zoom(1.5);
 $("out").onclick = () => zoom(1 / 1.5);
 $("metric").onchange = (ev) => choose(ev.target.value);

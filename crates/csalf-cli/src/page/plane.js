@@ -119,31 +119,7 @@ function tap(px, py) {
   draw();
 }
 
-const fingers = new Map();
-let moved = 0;
-canvas.addEventListener("pointerdown", (ev) => { canvas.setPointerCapture(ev.pointerId); fingers.set(ev.pointerId, [ev.offsetX, ev.offsetY]); moved = fingers.size > 1 ? 99 : 0; });
-canvas.addEventListener("pointermove", (ev) => {
-  const old = fingers.get(ev.pointerId);
-  if (!old) return;
-  const now = [ev.offsetX, ev.offsetY], other = [...fingers].find(([id]) => id !== ev.pointerId)?.[1];
-  const share = other ? 0.5 : 1;
-  view.x -= share * (now[0] - old[0]) / view.s; view.y += share * (now[1] - old[1]) / view.s;
-  moved += Math.hypot(now[0] - old[0], now[1] - old[1]);
-  fingers.set(ev.pointerId, now);
-  if (other) zoom(Math.hypot(now[0] - other[0], now[1] - other[1]) / Math.max(1, Math.hypot(old[0] - other[0], old[1] - other[1])), (now[0] + other[0]) / 2, (now[1] + other[1]) / 2);
-  draw();
-});
-const release = (ev) => { const at = fingers.get(ev.pointerId); fingers.delete(ev.pointerId); if (at && moved < 5 && ev.type === "pointerup") tap(...at); };
-canvas.addEventListener("pointerup", release);
-canvas.addEventListener("pointercancel", release);
-canvas.addEventListener("wheel", (ev) => { ev.preventDefault(); zoom(Math.exp(-ev.deltaY * (ev.deltaMode ? 0.05 : 0.0015)), ev.offsetX, ev.offsetY); }, { passive: false });
-canvas.addEventListener("keydown", (ev) => {
-  const step = 60 / view.s, moves = { ArrowLeft: [-step, 0], ArrowRight: [step, 0], ArrowUp: [0, step], ArrowDown: [0, -step] };
-  if (moves[ev.key]) { view.x += moves[ev.key][0]; view.y += moves[ev.key][1]; draw(); }
-  else if (ev.key === "+" || ev.key === "=") zoom(1.3);
-  else if (ev.key === "-") zoom(1 / 1.3);
-  else if (ev.key === "0") { fit(); draw(); }
-  else return;
-  ev.preventDefault();
-});
+function drag(dx, dy) { view.x -= dx / view.s; view.y += dy / view.s; }
+const arrow = (x, y) => { view.x += 60 * x / view.s; view.y += 60 * y / view.s; };
+function showAll() { fit(); draw(); }
 start();

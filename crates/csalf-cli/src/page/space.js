@@ -118,6 +118,7 @@ function move(dx, dy) { view.at = view.at.map((c, k) => c - (dx * view.right[k] 
 const GREY = [150, 156, 166];
 function paint() {
   wanted = 0;
+  fast &&= fingers.size > 0;
   const began = performance.now(), r = Math.min(devicePixelRatio || 1, 2) * (fast ? 0.5 : 1);
   const w = Math.max(1, Math.round(canvas.clientWidth * r)), h = Math.max(1, Math.round(canvas.clientHeight * r)), s = view.s * r;
   if (canvas.width !== w || canvas.height !== h) { canvas.width = w; canvas.height = h; }
@@ -201,39 +202,11 @@ function tap(px, py) {
   else $("here").textContent = "";
   draw();
 }
-const fingers = new Map();
-let moved = 0;
-canvas.addEventListener("pointerdown", (ev) => { canvas.setPointerCapture(ev.pointerId); fingers.set(ev.pointerId, [ev.offsetX, ev.offsetY]); moved = fingers.size > 1 ? 99 : 0; });
-canvas.addEventListener("pointermove", (ev) => {
-  const old = fingers.get(ev.pointerId);
-  if (!old) return;
-  const now = [ev.offsetX, ev.offsetY], other = [...fingers].find(([id]) => id !== ev.pointerId)?.[1];
-  const [dx, dy] = [now[0] - old[0], now[1] - old[1]];
-  if (other) move(0.5 * dx, 0.5 * dy);
-  else if (ev.shiftKey || ev.buttons > 1) move(dx, dy);
+function drag(dx, dy, ev, pinching) {
+  if (pinching || ev.shiftKey || ev.buttons > 1) move(dx, dy);
   else turn(dx / 150, dy / 150);
-  moved += Math.hypot(dx, dy);
-  fingers.set(ev.pointerId, now);
-  if (other) zoom(Math.hypot(now[0] - other[0], now[1] - other[1]) / Math.max(1, Math.hypot(old[0] - other[0], old[1] - other[1])), (now[0] + other[0]) / 2, (now[1] + other[1]) / 2);
-  draw();
-});
-const release = (ev) => {
-  const at = fingers.get(ev.pointerId);
-  fingers.delete(ev.pointerId);
-  if (!fingers.size && fast) { fast = false; draw(); }
-  if (at && moved < 5 && ev.type === "pointerup") tap(...at);
-};
-canvas.addEventListener("pointerup", release);
-canvas.addEventListener("pointercancel", release);
+}
+const arrow = (x, y) => turn(0.2 * x, -0.2 * y);
+function showAll() { fit(); select(-1); }
 canvas.addEventListener("contextmenu", (ev) => ev.preventDefault());
-canvas.addEventListener("wheel", (ev) => { ev.preventDefault(); zoom(Math.exp(-ev.deltaY * (ev.deltaMode ? 0.05 : 0.0015)), ev.offsetX, ev.offsetY); }, { passive: false });
-canvas.addEventListener("keydown", (ev) => {
-  const turns = { ArrowLeft: [-0.2, 0], ArrowRight: [0.2, 0], ArrowUp: [0, -0.2], ArrowDown: [0, 0.2] };
-  if (turns[ev.key]) { turn(...turns[ev.key]); draw(); }
-  else if (ev.key === "+" || ev.key === "=") zoom(1.3);
-  else if (ev.key === "-") zoom(1 / 1.3);
-  else if (ev.key === "0") { fit(); select(-1); }
-  else return;
-  ev.preventDefault();
-});
 start();

@@ -88,19 +88,18 @@ pub fn values(mesh: &QuadMesh, name: &str, field: Option<&dyn SizeField>) -> Opt
 }
 
 /// The values of a metric of a mesh in space, seen from above with the heights of its vertices: each element is laid
-/// into its mean plane first. `None` if there is no such metric; `size_ratio` is NaN. Cost O(n).
+/// into its mean plane first; scaled Jacobians have the lengths in space. `None` if there is no such metric; `size_ratio` is NaN. Cost O(n).
 pub fn in_space(mesh: &QuadMesh, heights: &[f64], name: &str) -> Option<Vec<f64>> {
-    let of_quads = |value: fn([glam::DVec3; 4]) -> f64, of_triangle: fn(&[Point2; 3]) -> f64| {
-        let quads = mesh.quads.iter().map(|q| value(q.map(|v| space::place(mesh, heights, v))));
-        let triangles = QuadMesh { quads: Vec::new(), ..mesh.clone() };
-        let flat = space::laid_flat(&triangles, heights);
-        quads.chain(each(&flat, |_| 0.0, of_triangle)).collect()
+    let mut out = values(&space::laid_flat(mesh, heights), name, None)?;
+    let value: fn([glam::DVec3; 4]) -> f64 = match name {
+        "scaled_jacobian" => space::scaled_jacobian,
+        "warpage" => space::warpage,
+        _ => return Some(out),
     };
-    match name {
-        "scaled_jacobian" => Some(of_quads(space::scaled_jacobian, scaled_jacobian::of_triangle)),
-        "warpage" => Some(of_quads(space::warpage, |_| 0.0)),
-        _ => values(&space::laid_flat(mesh, heights), name, None),
+    for (x, q) in out.iter_mut().zip(&mesh.quads) {
+        *x = value(q.map(|v| space::place(mesh, heights, v)));
     }
+    Some(out)
 }
 
 /// Scaled Jacobian of each quad in space: the least over the corners, against the quad's mean normal.

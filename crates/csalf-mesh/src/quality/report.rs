@@ -1,9 +1,7 @@
 //! All figures of one mesh.
 
 use super::edges::HalfEdges;
-use super::{
-    Corners, SizeConformity, Structure, Tau, angles, aspect, metrics, shape, size, skew, space, structure,
-};
+use super::{Corners, SizeConformity, Structure, Tau, angles, aspect, shape, size, skew, space, structure};
 use crate::QuadMesh;
 use csalf_sizemap::{Hint, SizeField};
 use serde::Serialize;
@@ -76,14 +74,9 @@ impl QualityReport {
     /// Vertex indices must be below the number of points. Cost O(n) and one size query per edge and element.
     pub fn new(mesh: &QuadMesh, size: Option<&dyn SizeField>, circle: Option<[f64; 3]>) -> Self {
         let edges = HalfEdges::new(mesh);
-        let mut out = Self {
-            n_vertices: mesh.n_vertices(),
-            n_quads: mesh.n_quads(),
-            n_triangles: mesh.triangles.len(),
-            ..Self::default()
-        };
-        out.measure_shapes(mesh, mesh, &edges, circle);
-        out.measure_vertices(&edges);
+        let mut out = Self::counted(mesh, &edges);
+        let sj = out.measure_shapes(mesh, mesh, &edges, circle);
+        out.summarise(sj);
         if let Some(field) = size {
             out.size = size::conformity(&mesh.points, &edges, field);
             out.expected_quads = Some(expected_quads(mesh, field));
@@ -96,34 +89,43 @@ impl QualityReport {
     /// There are neither sizes nor rows at the boundary. Vertex indices must be below the number of points. Cost O(n).
     pub fn in_space(mesh: &QuadMesh, heights: &[f64]) -> Self {
         let edges = HalfEdges::new(mesh);
+        let mut out = Self::counted(mesh, &edges);
+        let mut sj = out.measure_shapes(mesh, &space::laid_flat(mesh, heights), &edges, None);
+        let mut max_warpage = 0.0;
+        for (q, sj) in mesh.quads.iter().zip(&mut sj) {
+            let p = q.map(|v| space::place(mesh, heights, v));
+            // The lengths are those in space.
+            *sj = space::scaled_jacobian(p);
+            max_warpage = f64::max(max_warpage, space::warpage(p));
+        }
+        out.summarise(sj);
+        out.max_warpage = Some(max_warpage);
+        out
+    }
+
+    /// What is counted without coordinates.
+    fn counted(mesh: &QuadMesh, edges: &HalfEdges) -> Self {
         let mut out = Self {
             n_vertices: mesh.n_vertices(),
             n_quads: mesh.n_quads(),
             n_triangles: mesh.triangles.len(),
             ..Self::default()
         };
-        out.measure_shapes(mesh, &space::laid_flat(mesh, heights), &edges, None);
-        out.measure_vertices(&edges);
-        // The lengths are those in space.
-        if let Some(sj) = metrics::in_space(mesh, heights, "scaled_jacobian").filter(|s| !s.is_empty()) {
-            out.summarise(sj);
-        }
-        let warpage = mesh.quads.iter().map(|q| space::warpage(q.map(|v| space::place(mesh, heights, v))));
-        out.max_warpage = Some(warpage.fold(0.0, f64::max));
+        out.measure_vertices(edges);
         out
     }
 
-    /// `flat`: the elements of `mesh` in the plane, each by itself.
+    /// Returns the scaled Jacobians. `flat`: the elements of `mesh` in the plane, each by itself.
     fn measure_shapes(
         &mut self,
         mesh: &QuadMesh,
         flat: &QuadMesh,
         edges: &HalfEdges,
         circle: Option<[f64; 3]>,
-    ) {
+    ) -> Vec<f64> {
         let n = self.n_quads + self.n_triangles;
         if n == 0 {
-            return;
+            return Vec::new();
         }
         let mut sj = Vec::with_capacity(n);
         let (mut lo, mut hi) = (f64::INFINITY, f64::NEG_INFINITY);
@@ -166,7 +168,6 @@ impl QualityReport {
             (aspects, max_aspect) = (aspects + r, max_aspect.max(r));
             self.area += c.area;
         }
-        self.summarise(sj);
         (self.min_angle, self.max_angle) = (lo, hi);
         (self.mean_aspect, self.max_aspect) = (aspects / n as f64, max_aspect);
         if self.n_quads > 0 {
@@ -175,10 +176,14 @@ impl QualityReport {
             (self.mean_skew, self.max_skew) = (skews / m, max_skew);
         }
         (self.tau_global, self.tau_local, self.tau_boundary) = (global.mean(), local.mean(), boundary.mean());
+        sj
     }
 
-    /// The figures of the scaled Jacobians, of which there is at least one.
+    /// The figures of the scaled Jacobians.
     fn summarise(&mut self, mut sj: Vec<f64>) {
+        if sj.is_empty() {
+            return;
+        }
         self.mean_sj = sj.iter().sum::<f64>() / sj.len() as f64;
         self.p1_sj = quantile(&mut sj, 0.01);
         self.min_sj = sj.iter().copied().fold(f64::INFINITY, f64::min);
