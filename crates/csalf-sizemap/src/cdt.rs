@@ -43,6 +43,9 @@ pub struct Constrained {
     pub vertex: Vec<FixedVertexHandle>,
     /// The first of the constraints that could not be added, because they cross an earlier one.
     pub conflict: Option<[u32; 2]>,
+    /// Per undirected edge of the triangulation: whether an odd number of the constraints run along it. Both sides of a
+    /// slit make two, also where a vertex on it cuts them into parts.
+    pub odd: Vec<bool>,
 }
 
 /// Triangulates points with some of their connections as edges. A coordinate that spade does not take because it is too
@@ -66,13 +69,22 @@ pub fn constrained(
         vertex[v.data().index as usize] = v.fix();
     }
     let mut conflict = None;
+    // No vertex comes after this: an edge keeps its number, and one that is a constraint its ends.
+    let mut odd = vec![false; cdt.num_undirected_edges()];
     for e in edges {
         let [a, b] = e.map(|i| vertex[i as usize]);
-        if a != b && !cdt.exists_constraint(a, b) && cdt.try_add_constraint(a, b).is_empty() {
+        if a == b {
+            continue;
+        }
+        let parts = cdt.try_add_constraint(a, b);
+        if parts.is_empty() {
             conflict = conflict.or(Some(e));
         }
+        for part in parts {
+            odd[part.as_undirected().index()] ^= true;
+        }
     }
-    Ok(Constrained { cdt, vertex, conflict })
+    Ok(Constrained { cdt, vertex, conflict, odd })
 }
 
 #[cfg(test)]
@@ -86,6 +98,24 @@ mod tests {
         assert!(c.cdt.exists_constraint(c.vertex[0], c.vertex[2]));
         assert_eq!(c.conflict, Some([1, 3]));
         assert_eq!(c.cdt.num_vertices(), 5);
+    }
+
+    /// A slit whose sides are one long edge there and two short ones back, beside a loop side that a vertex cuts.
+    #[test]
+    fn parts_of_constraints_are_counted() {
+        let p = [(0., 0.), (4., 0.), (4., 3.), (0., 3.), (1., 1.), (3., 1.), (2., 1.), (2., 0.)]
+            .map(Point2::from);
+        let c = constrained(p, [[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 4]]).unwrap();
+        let odd = |a: usize, b: usize| {
+            let e = c.cdt.get_edge_from_neighbors(c.vertex[a], c.vertex[b]).unwrap();
+            assert!(e.is_constraint_edge());
+            c.odd[e.as_undirected().fix().index()]
+        };
+        for (a, b) in [(0, 7), (7, 1), (1, 2), (2, 3), (3, 0)] {
+            assert!(odd(a, b), "{a} {b}");
+        }
+        assert!(!odd(4, 6) && !odd(6, 5));
+        assert_eq!(c.odd.iter().filter(|&&o| o).count(), 5);
     }
 
     #[test]

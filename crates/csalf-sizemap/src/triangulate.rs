@@ -33,8 +33,8 @@ pub(crate) struct Triangulation {
     pub(crate) corners: Vec<[u32; 3]>,
     /// Triangle across the side opposite to each corner, or [`NONE`] on the hull.
     pub(crate) across: Vec<[u32; 3]>,
-    /// Whether that side is (part of) a constraint.
-    pub(crate) fixed: Vec<[bool; 3]>,
+    /// Whether an odd number of the given sides run along that side.
+    pub(crate) odd: Vec<[bool; 3]>,
 }
 
 /// The power of two that brings the largest coordinate into [0.5, 1]; 1 if all are zero or not finite.
@@ -88,12 +88,13 @@ pub(crate) fn merge(points: &[Point2]) -> (Vec<u32>, Vec<u32>) {
 /// Triangulates distinct, normalised points; sides that cross an earlier constraint are dropped (checked domains
 /// have none). O(n log n).
 pub(crate) fn triangulate(points: &[Point2], sides: &[[u32; 2]]) -> Result<Triangulation, SizeError> {
-    let cdt = constrained(points.iter().copied(), sides.iter().copied()).map_err(|_| SizeError::NoArea)?.cdt;
+    let made = constrained(points.iter().copied(), sides.iter().copied()).map_err(|_| SizeError::NoArea)?;
+    let cdt = made.cdt;
     let n = cdt.num_inner_faces();
     let mut out = Triangulation {
         corners: Vec::with_capacity(n),
         across: Vec::with_capacity(n),
-        fixed: Vec::with_capacity(n),
+        odd: Vec::with_capacity(n),
     };
     // Spade numbers its faces 0 (outside), 1, 2, ...
     for face in cdt.inner_faces() {
@@ -104,7 +105,7 @@ pub(crate) fn triangulate(points: &[Point2], sides: &[[u32; 2]]) -> Result<Trian
         out.across.push(
             [0, 1, 2].map(|k| side(k).rev().face().as_inner().map_or(NONE, |f| f.fix().index() as u32 - 1)),
         );
-        out.fixed.push([0, 1, 2].map(|k| side(k).is_constraint_edge()));
+        out.odd.push([0, 1, 2].map(|k| made.odd[side(k).fix().as_undirected().index()]));
     }
     Ok(canonical(&out))
 }
@@ -124,37 +125,24 @@ fn canonical(t: &Triangulation) -> Triangulation {
     for &old in &order {
         let i = old as usize;
         let k = first(&t.corners[i]);
-        let f = t.fixed[i];
+        let o = t.odd[i];
         out.corners.push(turn(t.corners[i], k));
         out.across.push(turn(t.across[i], k).map(|n| if n == NONE { NONE } else { number[n as usize] }));
-        out.fixed.push([f[k], f[(k + 1) % 3], f[(k + 2) % 3]]);
+        out.odd.push([o[k], o[(k + 1) % 3], o[(k + 2) % 3]]);
     }
     out
 }
 
-/// Which triangles lie inside an odd number of the loops whose segments are `sides`. A segment that occurs twice
-/// (both sides of a slit) does not count. O(n log n).
-pub(crate) fn inside_loops(t: &Triangulation, sides: &[[u32; 2]]) -> Vec<bool> {
-    let key = |a: u32, b: u32| if a < b { [a, b] } else { [b, a] };
-    let mut sorted: Vec<[u32; 2]> = sides.iter().map(|s| key(s[0], s[1])).collect();
-    sorted.sort_unstable();
-    let flips = |tri: usize, k: usize| {
-        if !t.fixed[tri][k] {
-            return false;
-        }
-        let c = t.corners[tri];
-        let s = key(c[(k + 1) % 3], c[(k + 2) % 3]);
-        let times = sorted.partition_point(|x| *x <= s) - sorted.partition_point(|x| *x < s);
-        // A part of a constraint that was cut by a node on it is not in the list: it counts once.
-        times == 0 || times % 2 == 1
-    };
+/// Which triangles lie inside an odd number of the loops whose segments were the given sides. A segment that occurs
+/// twice (both sides of a slit) does not count. O(n).
+pub(crate) fn inside_loops(t: &Triangulation) -> Vec<bool> {
     let n = t.corners.len();
     let (mut inside, mut seen) = (vec![false; n], vec![false; n]);
     let mut stack = Vec::new();
     for i in 0..n {
         for k in 0..3 {
             if t.across[i][k] == NONE && !seen[i] {
-                (seen[i], inside[i]) = (true, flips(i, k));
+                (seen[i], inside[i]) = (true, t.odd[i][k]);
                 stack.push(i);
             }
         }
@@ -163,7 +151,7 @@ pub(crate) fn inside_loops(t: &Triangulation, sides: &[[u32; 2]]) -> Vec<bool> {
         for k in 0..3 {
             let j = t.across[i][k];
             if j != NONE && !seen[j as usize] {
-                (seen[j as usize], inside[j as usize]) = (true, inside[i] != flips(i, k));
+                (seen[j as usize], inside[j as usize]) = (true, inside[i] != t.odd[i][k]);
                 stack.push(j as usize);
             }
         }
@@ -190,7 +178,7 @@ pub fn triangulate_loops(points: &[Point2], loops: &[Vec<u32>]) -> Result<Vec<[u
     let sides: Vec<[u32; 2]> =
         loops.iter().flat_map(|l| (0..l.len()).map(|i| [l[i], l[(i + 1) % l.len()]])).collect();
     let t = triangulate(&scaled, &sides)?;
-    let inside = inside_loops(&t, &sides);
+    let inside = inside_loops(&t);
     Ok(t.corners.iter().zip(inside).filter(|(_, inside)| *inside).map(|(c, _)| *c).collect())
 }
 
@@ -244,7 +232,7 @@ mod tests {
         let mut sides = ring(5, 0);
         sides.extend(ring(4, 5));
         let t = triangulate(&pts, &sides).unwrap();
-        let inside = inside_loops(&t, &sides);
+        let inside = inside_loops(&t);
         let area: f64 = (0..t.corners.len())
             .filter(|&i| inside[i])
             .map(|i| {
@@ -264,6 +252,19 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// Points on a slit and on the outer side cut them; the field of a mesh around a slit was once that of nearly half
+    /// of it, and the rest took the size of the nearest boundary.
+    #[test]
+    fn a_slit_cut_by_a_point_bounds_nothing() {
+        let pts = [(0., 0.), (4., 0.), (4., 4.), (0., 4.), (1., 2.), (3., 2.), (2., 2.), (2., 0.)]
+            .map(Point2::from);
+        let mut sides = ring(4, 0);
+        sides.extend([[4, 5], [5, 4]]);
+        let t = triangulate(&pts, &sides).unwrap();
+        assert!(inside_loops(&t).iter().all(|&i| i));
+        assert!(t.corners.iter().flatten().any(|&v| v == 6) && t.corners.iter().flatten().any(|&v| v == 7));
     }
 
     #[test]

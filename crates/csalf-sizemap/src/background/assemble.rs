@@ -35,7 +35,7 @@ impl Background {
             .map(|(k, s)| rename(s, &name).map_err(|node| bad(k, node, points.len())))
             .collect::<Result<Vec<_>, _>>()?;
         let t = triangulate::triangulate(&distinct, &sides)?;
-        let inside = triangulate::inside_loops(&t, &sides);
+        let inside = triangulate::inside_loops(&t);
         Self::assemble(scale, &distinct, &values, &t, &inside)
     }
 

@@ -134,7 +134,7 @@ fn load(vertex: &mut [u32], points: Vec<Point2>) -> Result<Cdt, FallbackError> {
     edges.sort_unstable();
     edges.dedup();
     let made = constrained(points, edges).map_err(|_| FallbackError::NotFinite { at: 0 })?;
-    let Constrained { cdt, vertex: handle, conflict } = made;
+    let Constrained { cdt, vertex: handle, conflict, .. } = made;
     if let Some([a, b]) = conflict {
         let is = |i: usize| {
             let (u, v) = (vertex[i], vertex[(i + 1) % n]);
