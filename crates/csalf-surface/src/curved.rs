@@ -29,7 +29,7 @@ const MAX_FACETS: usize = 60_000;
 /// Most times that the facets are divided.
 const MAX_LEVELS: usize = 6;
 /// Times that a cut face is meshed with smaller sizes, if two pieces between the same seams are but one quad
-/// wide, so that their meshes share more than the seams.
+/// wide, so that their meshes share more than the seams, or if quads come out folded.
 const RETRIES: usize = 4;
 /// Factor of the sizes from one attempt to the next.
 const FINER: f64 = 0.6;
@@ -85,10 +85,18 @@ pub(crate) fn curved(input: &FaceInput<'_>, options: &Options) -> Result<FaceMes
     if !isometric(&pieces) || matches!(input.size, FaceSize::Vertices(_)) {
         face.fill_sizes(input, options);
     }
+    // Of attempts with quads that are folded in space the one with the fewest; and why there is none.
+    let mut folded: Option<FaceMesh> = None;
     let mut refused = None;
     for attempt in 0..RETRIES {
         match face.mesh(input, options, &pieces, &cut, attempt) {
-            Ok(out) => return Ok(out),
+            Ok(out) if out.report.quality.n_nonpositive == 0 || pieces.len() == 1 => return Ok(out),
+            Ok(out) => {
+                let n = out.report.quality.n_nonpositive;
+                if folded.as_ref().is_none_or(|f| n < f.report.quality.n_nonpositive) {
+                    folded = Some(out);
+                }
+            }
             Err(e @ (FaceError::TooThin { .. } | FaceError::Internal { .. } | FaceError::Planar { .. }))
                 if pieces.len() > 1 =>
             {
@@ -97,7 +105,11 @@ pub(crate) fn curved(input: &FaceInput<'_>, options: &Options) -> Result<FaceMes
             Err(e) => return Err(e),
         }
     }
-    Err(refused.unwrap_or(FaceError::NoArea))
+    // Where both sides of a cut met, folded quads are no cure.
+    match (refused, folded) {
+        (None, Some(out)) => Ok(out),
+        (refused, _) => Err(refused.unwrap_or(FaceError::NoArea)),
+    }
 }
 
 impl Face {
