@@ -126,7 +126,9 @@ const COARSEST: f64 = 1.6;
 /// Rings by rule are not made thinner than this share of their edges for the sake of the size field.
 const FLATTEST: f64 = 0.35;
 
-/// Further rings of round holes end where their front would be shorter than so many wanted edges.
+/// Third and further rings by rule end where the edges of their front would be shorter than so many wanted edges: on a
+/// plate with 320 nodes round its hole the third ring alone took the share of edges of the wanted size from 0.89 to
+/// 0.78.
 const FINEST: f64 = 0.7;
 /// Layers that are counted to find where the last one ends.
 const MOST_ASKED: usize = 1000;
@@ -389,7 +391,8 @@ impl Stage {
     /// What to try after this stage failed; `None`: give up. Marks the stretches to be left out.
     fn after(self, f: &Failure, p: &Path<'_>, partial: bool, banned: &mut Vec<bool>) -> Option<Self> {
         let n = p.state.nodes.len();
-        let hopeless = matches!(f.stop, Stop::Short | Stop::UnevenFronts | Stop::FarFromSize | Stop::Thick);
+        let hopeless =
+            matches!(f.stop, Stop::Short | Stop::UnevenFronts | Stop::FarFromSize | Stop::Thick | Stop::Fine);
         if n < 4 || hopeless {
             return None;
         }
@@ -470,9 +473,10 @@ fn propose(
         banned: matches!(attempt.stage, Stage::Part(..)).then_some(&attempt.banned),
     };
     let ring = build(&p.state, &order, all)?;
-    // The front of a further ring still follows the size field.
-    if order.whole && coarseness(&ring.next.points, task, hint) < FINEST {
-        return Err(Stop::Thick.into());
+    // Beyond the second, the front of a ring by rule still follows the size field.
+    let by_rule = p.shares(task) && p.kind == WalkKind::Hole && p.done >= 2;
+    if by_rule && coarseness(&ring.next.points, task, hint) < FINEST {
+        return Err(Stop::Fine.into());
     }
     Ok(ring)
 }

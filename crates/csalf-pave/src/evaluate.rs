@@ -69,6 +69,9 @@ pub enum Stop {
     /// Layers that nobody asked for end where they would become coarser than the size field.
     #[error("the next layer would be thicker than the wanted size")]
     Thick,
+    /// Layers that nobody asked for end where their front would be much finer than the size field.
+    #[error("the front of the next layer would be finer than the wanted size")]
+    Fine,
 }
 
 /// Test 3 on every quad; `all` holds the points of existing nodes by id. Cost O(q).

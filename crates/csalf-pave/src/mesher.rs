@@ -70,7 +70,7 @@ impl RegionMesher for LoopPaver {
         let state = state_of(c);
         let refusal = |stop: Stop| match stop {
             Stop::Short | Stop::Narrow => Refusal::NotApplicable,
-            Stop::FarFromSize | Stop::UnevenFronts | Stop::Thick | Stop::Growth => Refusal::Size,
+            Stop::FarFromSize | Stop::UnevenFronts | Stop::Thick | Stop::Fine | Stop::Growth => Refusal::Size,
             _ => Refusal::Quality,
         };
         evaluate::before(&state, task.size, self.rules, &mut Hint::default()).map_err(refusal)?;
