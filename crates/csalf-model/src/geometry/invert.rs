@@ -98,10 +98,16 @@ impl<'a> Inverter<'a> {
         best.map_or(DVec2::ZERO, |b| b.0)
     }
 
-    /// Gauss and Newton with damping, from `uv`: the end and its distance.
+    /// Gauss and Newton with damping, from `uv`: the end and its distance. A parameter at the end of an open direction
+    /// stays there while the point pulls it further.
     fn newton(&self, p: DVec3, uv: DVec2) -> (DVec2, f64) {
         const STEPS: usize = 40;
+        /// Moves below this share of the coordinates are rounding.
+        const STILL: f64 = 1e-14;
         let Surface::Nurbs(n) = self.surface else { return (uv, self.surface.eval(uv).point.distance(p)) };
+        let range = [0, 1].map(|k| if n.periods[k].is_some() { None } else { Some(n.knots[k].range()) });
+        let held =
+            |t: f64, g: f64, k: usize| range[k].is_some_and(|[a, b]| t <= a && g > 0.0 || t >= b && g < 0.0);
         let mut uv = n.wrap(uv);
         let mut at = n.eval(uv);
         let mut f = at.point.distance_squared(p);
@@ -122,26 +128,28 @@ impl<'a> Inverter<'a> {
             a += damping * trace;
             c += damping * trace;
             let det = a * c - b * b;
-            let step = if det > f64::EPSILON * a * c {
-                DVec2::new(b * g.y - c * g.x, b * g.x - a * g.y) / det
-            } else {
-                -g / trace
+            let step = match [held(uv.x, g.x, 0), held(uv.y, g.y, 1)] {
+                [true, true] => break,
+                [true, false] => DVec2::new(0.0, -g.y / if c > 0.0 { c } else { trace }),
+                [false, true] => DVec2::new(-g.x / if a > 0.0 { a } else { trace }, 0.0),
+                _ if det > f64::EPSILON * a * c => DVec2::new(b * g.y - c * g.x, b * g.x - a * g.y) / det,
+                _ => -g / trace,
             };
             let next = n.wrap(uv + step);
             let there = n.eval(next);
             let d = there.point.distance_squared(p);
+            let still = there.point.distance_squared(at.point) <= STILL * STILL * p.length_squared().max(f);
             if d < f {
-                let gain = f - d;
                 (uv, at, f) = (next, there, d);
                 damping *= 0.25;
-                if gain <= f64::EPSILON * f64::EPSILON * p.length_squared().max(f) {
-                    break;
-                }
             } else {
                 if damping > 1e6 {
                     break;
                 }
                 damping = if damping == 0.0 { 1e-3 } else { damping * 8.0 };
+            }
+            if still {
+                break;
             }
         }
         (uv, f.sqrt())

@@ -14,6 +14,12 @@ use glam::{DVec2, DVec3, DVec4};
 /// Largest degree that is read: every CAD system stays below.
 pub const MAX_DEGREE: usize = 25;
 
+/// Basis functions of most surfaces and curves: up to degree 7 they are computed in arrays of this length, which cost a
+/// third of those that any degree needs.
+const FEW: usize = 8;
+/// Basis functions of the largest degree.
+const MANY: usize = MAX_DEGREE + 1;
+
 /// A knot vector of one direction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Knots {
@@ -59,12 +65,13 @@ impl Knots {
         i
     }
 
-    /// Basis functions of the span at `t` and their first two derivatives: `[order][0..=degree]`.
-    fn basis(&self, span: usize, t: f64) -> [[f64; MAX_DEGREE + 1]; 3] {
+    /// Basis functions of the span at `t` and their first two derivatives: `[order][0..=degree]`. N is larger than the
+    /// degree.
+    fn basis<const N: usize>(&self, span: usize, t: f64) -> [[f64; N]; 3] {
         let p = self.degree;
-        let mut low = [[0.0; MAX_DEGREE + 1]; 3];
+        let mut low = [[0.0; N]; 3];
         // Values of degree p, p-1, p-2 (as many as there are), each from the one below (Cox and de Boor).
-        let mut n = [0.0; MAX_DEGREE + 1];
+        let mut n = [0.0; N];
         n[0] = 1.0;
         for d in 0..=p {
             if d > 0 {
@@ -84,14 +91,14 @@ impl Knots {
             let d = self.differentiate(&low[2], span, p - 1);
             self.differentiate(&d, span, p)
         } else {
-            [0.0; MAX_DEGREE + 1]
+            [0.0; N]
         };
         [values, first, second]
     }
 
     /// Basis of degree `d` from that of degree `d - 1`; entry j belongs to control point `span - d + j`.
-    fn raise(&self, n: &[f64; MAX_DEGREE + 1], span: usize, d: usize, t: f64) -> [f64; MAX_DEGREE + 1] {
-        let mut out = [0.0; MAX_DEGREE + 1];
+    fn raise<const N: usize>(&self, n: &[f64; N], span: usize, d: usize, t: f64) -> [f64; N] {
+        let mut out = [0.0; N];
         for (j, &value) in n.iter().enumerate().take(d) {
             let (a, b) = (self.knots[span + 1 + j - d], self.knots[span + 1 + j]);
             let share = if b > a { value / (b - a) } else { 0.0 };
@@ -102,8 +109,8 @@ impl Knots {
     }
 
     /// Derivative of the basis of degree `d`, given the basis (or its derivative) of degree `d - 1`.
-    fn differentiate(&self, n: &[f64; MAX_DEGREE + 1], span: usize, d: usize) -> [f64; MAX_DEGREE + 1] {
-        let mut out = [0.0; MAX_DEGREE + 1];
+    fn differentiate<const N: usize>(&self, n: &[f64; N], span: usize, d: usize) -> [f64; N] {
+        let mut out = [0.0; N];
         for (j, &value) in n.iter().enumerate().take(d) {
             let (a, b) = (self.knots[span + 1 + j - d], self.knots[span + 1 + j]);
             let share = if b > a { d as f64 * value / (b - a) } else { 0.0 };
@@ -146,8 +153,12 @@ impl NurbsCurve {
     pub fn eval(&self, t: f64) -> CurvePoint {
         let [t0, t1] = self.knots.range();
         let t = t.clamp(t0, t1);
+        if self.knots.degree < FEW { self.eval_with::<FEW>(t) } else { self.eval_with::<MANY>(t) }
+    }
+
+    fn eval_with<const N: usize>(&self, t: f64) -> CurvePoint {
         let span = self.knots.span(t);
-        let basis = self.knots.basis(span, t);
+        let basis = self.knots.basis::<N>(span, t);
         let mut sums = [DVec4::ZERO; 3];
         for j in 0..=self.knots.degree {
             let p = self.points[span + j - self.knots.degree];
@@ -224,8 +235,13 @@ impl NurbsSurface {
     pub fn eval(&self, uv: DVec2) -> SurfacePoint {
         let uv = self.wrap(uv);
         let [ku, kv] = &self.knots;
+        if ku.degree.max(kv.degree) < FEW { self.eval_with::<FEW>(uv) } else { self.eval_with::<MANY>(uv) }
+    }
+
+    fn eval_with<const N: usize>(&self, uv: DVec2) -> SurfacePoint {
+        let [ku, kv] = &self.knots;
         let (su, sv) = (ku.span(uv.x), kv.span(uv.y));
-        let (bu, bv) = (ku.basis(su, uv.x), kv.basis(sv, uv.y));
+        let (bu, bv) = (ku.basis::<N>(su, uv.x), kv.basis::<N>(sv, uv.y));
         let n_v = kv.n();
         // [order in u][order in v]
         let mut s = [[DVec4::ZERO; 3]; 3];

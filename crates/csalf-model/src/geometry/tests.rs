@@ -112,6 +112,27 @@ proptest! {
         }
     }
 
+    /// Of points beside the surface and beyond its rims, too, none of a fine grid of its points is nearer.
+    #[test]
+    fn no_other_point_is_nearer(x in -0.6..1.6f64, y in -0.6..1.6f64, off in -0.5..0.5f64) {
+        for surface in [quarter(), bump()] {
+            let [u, v] = [0, 1].map(|k| surface.knots[k].range());
+            let at = |x: f64, y: f64| {
+                surface.eval(DVec2::new(u[0] + (u[1] - u[0]) * x, v[0] + (v[1] - v[0]) * y))
+            };
+            let rim = at(x.clamp(0.0, 1.0), y.clamp(0.0, 1.0));
+            let across = rim.du.cross(rim.dv).normalize_or_zero();
+            let p = rim.point + rim.du * (x - x.clamp(0.0, 1.0)) + rim.dv * (y - y.clamp(0.0, 1.0)) + across * off;
+            let least = (0..=90)
+                .flat_map(|i| (0..=90).map(move |j| (f64::from(i) / 90.0, f64::from(j) / 90.0)))
+                .map(|(x, y)| at(x, y).point.distance(p))
+                .fold(f64::INFINITY, f64::min);
+            let s = Surface::Nurbs(surface.clone());
+            let (_, d) = Inverter::new(&s).invert(p, None, 0.0);
+            prop_assert!(d <= least + 1e-9, "{d} and {least} at {p}");
+        }
+    }
+
     #[test]
     fn derivatives_are_those_of_differences(x in 0.05..0.95f64, y in 0.05..0.95f64) {
         let h = 1e-5;

@@ -16,6 +16,10 @@ use std::f64::consts::TAU;
 /// Stations per edge at which its size is known.
 pub(crate) const STATIONS: usize = 17;
 
+/// A point of a surface stands for the station of an edge if it is nearer than this share of the smallest size: edges of
+/// files miss their surfaces by more than their tolerance, and then the whole surface is searched.
+const NEAR: f64 = 0.1;
+
 /// What sizes are asked for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SizeRules {
@@ -122,7 +126,9 @@ pub(crate) fn sizes(model: &Model, rules: &SizeRules, given: &[Option<f64>]) -> 
                     _ if rules.per_turn <= 0.0 => most,
                     _ => {
                         let edge = &model.edges[u.edge];
-                        let (uv, _) = inverter.invert(edge.at(share(k)).point, hint, edge.tolerance);
+                        // Curvature changes little over a hundredth of the size.
+                        let good = edge.tolerance.max(NEAR * rules.min_size);
+                        let (uv, _) = inverter.invert(edge.at(share(k)).point, hint, good);
                         hint = Some(uv);
                         rules.for_curvature(surface.eval(uv).max_curvature(), most)
                     }
