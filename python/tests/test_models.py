@@ -47,6 +47,39 @@ def test_a_step_file_is_meshed(block: csalf.ModelMesh, tmp_path) -> None:
 
 
 @needs_block
+@pytest.mark.parametrize("centres", [False, True])
+def test_second_order(block: csalf.ModelMesh, tmp_path, centres: bool) -> None:
+    meshio = pytest.importorskip("meshio")
+    block.write(tmp_path / "block.vtu", order=2, centres=centres)
+    read = meshio.read(tmp_path / "block.vtu")
+    (cells,) = read.cells
+    assert cells.type == ("quad9" if centres else "quad8")
+    assert np.array_equal(cells.data[:, :4], block.quads)
+    assert np.array_equal(read.points[: len(block.points)], block.points)
+    flat = (cells.data[:, :4], np.roll(cells.data[:, :4], -1, axis=1))
+    chords = 0.5 * (read.points[flat[0]] + read.points[flat[1]])
+    rise = np.linalg.norm(read.points[cells.data[:, 4:8]] - chords, axis=2)
+    kinds = np.array([kind for _, kind in csalf.Model(BLOCK).faces])
+    n_round = 0
+    for k in np.flatnonzero(kinds == "cylinder"):
+        quads = cells.data[block.face_of_quad == k]
+        vertices, middles = read.points[np.unique(quads[:, :4])], read.points[np.unique(quads[:, 4:])]
+        # A whole wall, along one of the axes: all nodes are as far from it.
+        for axis in range(3):
+            across = [i for i in range(3) if i != axis]
+            centre = (vertices.max(axis=0) + vertices.min(axis=0))[across] / 2
+            radii = [np.linalg.norm(p[:, across] - centre, axis=1) for p in (vertices, middles)]
+            if np.ptp(radii[0]) < 1e-6:
+                n_round += 1
+                assert np.ptp(np.concatenate(radii)) < 1e-6
+        assert rise[block.face_of_quad == k].max() > 1e-3
+    assert n_round > 0
+    assert np.allclose(rise[kinds[block.face_of_quad] == "plane"].min(axis=1), 0)
+    with pytest.raises(ValueError, match="stitched or unpickled"):
+        pickle.loads(pickle.dumps(block)).write(tmp_path / "again.vtu", order=2)
+
+
+@needs_block
 def test_sizes_of_loops() -> None:
     coarse = csalf.mesh_model(BLOCK, size=5)
     fine = csalf.mesh_model(BLOCK, size=5, loop_sizes={"hole*": 1})

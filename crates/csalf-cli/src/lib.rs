@@ -21,6 +21,7 @@ pub mod page;
 pub mod progress;
 pub mod requirement;
 pub mod say;
+pub mod second_order;
 pub mod summary;
 pub mod timing;
 

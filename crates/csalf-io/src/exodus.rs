@@ -21,8 +21,8 @@ const NAME: usize = 33;
 /// [`IoError::Write`]; [`IoError::Unsupported`] of more than 2³¹ nodes or corners.
 pub fn write(out: &MeshView<'_>, mid: Option<&MidNodes>, w: &mut dyn Write) -> Result<(), IoError> {
     let mesh = out.mesh;
-    let points: Vec<Point2> =
-        mesh.points.iter().copied().chain(mid.into_iter().flat_map(MidNodes::points)).collect();
+    let middles = mid.into_iter().flat_map(MidNodes::points).map(|p| p.truncate());
+    let points: Vec<Point2> = mesh.points.iter().copied().chain(middles).collect();
     let (nq, nt) = (mesh.quads.len(), mesh.triangles.len());
     if i32::try_from(9 * nq + 6 * nt).is_err() || i32::try_from(points.len()).is_err() {
         return Err(IoError::unsupported(FORMAT, Place::Whole, "the mesh needs more than 31 bits"));

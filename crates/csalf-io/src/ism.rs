@@ -85,7 +85,7 @@ fn bent(out: &MeshView<'_>, mid: &MidNodes, [a, b]: [VertexId; 2]) -> Option<Poi
     let points = &out.mesh.points;
     // As the mid-side nodes are made: the smaller vertex first.
     let (low, high) = (a.min(b), a.max(b));
-    let m = mid.point(a, b)?;
+    let m = mid.point(a, b)?.truncate();
     (m != points[low.index()].midpoint(points[high.index()])).then_some(m)
 }
 

@@ -34,9 +34,9 @@ impl MeshView<'_> {
         self.mesh.points.iter().enumerate().map(move |(i, p)| [p.x, p.y, height(i)])
     }
 
-    /// The same, then those of mid-side nodes, which lie in the plane.
+    /// The same, then those of mid-side nodes.
     pub(crate) fn all_xyz<'b>(&'b self, mid: Option<&'b MidNodes>) -> impl Iterator<Item = [f64; 3]> + 'b {
-        self.xyz().chain(mid.into_iter().flat_map(MidNodes::points).map(|p| [p.x, p.y, 0.0]))
+        self.xyz().chain(mid.into_iter().flat_map(MidNodes::points).map(|p| p.to_array()))
     }
 }
 

@@ -10,14 +10,17 @@
 //!
 //! 1. Sides of all elements, sorted by their vertices: each one node, numbered behind the vertices.
 //! 2. Of sides in the edge sets of curved loops and scars: the point of the curve nearest to the middle of the chord
-//!    (samples, then Newton's method on (c(t) - m) · c'(t) = 0).
-//! 3. A quad whose Jacobian is not positive at all nodes and at the centre gets its sides straight again.
+//!    (samples, then Newton's method on (c(t) - m) · c'(t) = 0). Of meshes in space, what the caller knows of its curves
+//!    and surfaces.
+//! 3. A quad whose Jacobian is not positive at all nodes and at the centre gets its sides straight again; in space, laid
+//!    into its mean plane.
 //!
 //! Cost O(n log n), and the number of samples per side on a curve.
 
 use csalf_geom::curve::Curve;
 use csalf_geom::{Geometry, Point2, VertexId};
-use csalf_mesh::{NamedSets, QuadMesh};
+use csalf_mesh::{NamedSets, QuadMesh, SurfaceMesh};
+use glam::DVec3;
 
 /// Samples per smooth part of a curve. More: slower; fewer: the nearest part of a wriggling curve may be missed.
 const SAMPLES: usize = 32;
@@ -37,10 +40,10 @@ const FARTHEST: f64 = 0.5;
 pub struct MidNodes {
     /// The sides: smaller vertex first, sorted.
     sides: Vec<[u32; 2]>,
-    /// Where the middle of each side lies.
-    points: Vec<Point2>,
+    /// Where the middle of each side lies; of plane meshes at z = 0.
+    points: Vec<DVec3>,
     /// Per quad, if asked for: its centre.
-    centres: Vec<Point2>,
+    centres: Vec<DVec3>,
     n_vertices: usize,
     n_on_curves: usize,
 }
@@ -52,7 +55,18 @@ fn key(a: VertexId, b: VertexId) -> [u32; 2] {
 impl MidNodes {
     /// Middles of all sides, on chords. With `centres`, nine nodes per quad.
     pub fn new(mesh: &QuadMesh, centres: bool) -> Self {
-        Self::build(mesh, &[], centres)
+        Self::of_plane(mesh, &[], centres)
+    }
+
+    /// Middles of all sides of a mesh in space; of those in `known` (side, place) there. `centre`, if nine nodes per quad
+    /// are wanted, says where the centre of a quad belongs for which the element itself has it.
+    pub fn in_space(
+        mesh: &SurfaceMesh,
+        known: &[([VertexId; 2], DVec3)],
+        centre: Option<&dyn Fn(usize, DVec3) -> DVec3>,
+    ) -> Self {
+        let known: Vec<_> = known.iter().map(|&([a, b], p)| (key(a, b), p)).collect();
+        Self::build(&mesh.points, &mesh.quads, &[], &known, centre)
     }
 
     /// Middles of all sides; of those in edge sets named like a loop or scar of `geometry`, on its curves.
@@ -75,24 +89,37 @@ impl MidNodes {
                 }
             }
         }
-        Self::build(mesh, &wanted, centres)
+        Self::of_plane(mesh, &wanted, centres)
     }
 
-    fn build(mesh: &QuadMesh, wanted: &[([u32; 2], Point2)], centres: bool) -> Self {
+    fn of_plane(mesh: &QuadMesh, wanted: &[([u32; 2], Point2)], centres: bool) -> Self {
+        let points: Vec<DVec3> = mesh.points.iter().map(|p| p.extend(0.0)).collect();
+        let wanted: Vec<_> = wanted.iter().map(|&(side, p)| (side, p.extend(0.0))).collect();
+        let as_it_is: &dyn Fn(usize, DVec3) -> DVec3 = &|_, p| p;
+        Self::build(&points, &mesh.quads, &mesh.triangles, &wanted, centres.then_some(as_it_is))
+    }
+
+    fn build(
+        points: &[DVec3],
+        quads: &[[VertexId; 4]],
+        triangles: &[[VertexId; 3]],
+        wanted: &[([u32; 2], DVec3)],
+        centre: Option<&dyn Fn(usize, DVec3) -> DVec3>,
+    ) -> Self {
         fn sides_of<const K: usize>(e: &[VertexId; K]) -> impl Iterator<Item = [u32; 2]> + '_ {
             (0..K).map(move |k| key(e[k], e[(k + 1) % K]))
         }
-        let quads = mesh.quads.iter().flat_map(sides_of);
-        let mut sides: Vec<[u32; 2]> = quads.chain(mesh.triangles.iter().flat_map(sides_of)).collect();
+        let mut sides: Vec<[u32; 2]> =
+            quads.iter().flat_map(sides_of).chain(triangles.iter().flat_map(sides_of)).collect();
         sides.sort_unstable();
         sides.dedup();
-        let at = |v: u32| mesh.points.get(v as usize).copied().unwrap_or_default();
+        let at = |v: u32| points.get(v as usize).copied().unwrap_or_default();
         let chord = |s: &[u32; 2]| at(s[0]).midpoint(at(s[1]));
         let mut out = Self {
             points: sides.iter().map(chord).collect(),
             sides,
             centres: Vec::new(),
-            n_vertices: mesh.points.len(),
+            n_vertices: points.len(),
             n_on_curves: 0,
         };
         let mut curved = vec![false; out.sides.len()];
@@ -102,9 +129,9 @@ impl MidNodes {
             }
         }
         if !wanted.is_empty() {
-            for q in &mesh.quads {
+            for q in quads {
                 let ids: [usize; 4] = std::array::from_fn(|k| out.side(q[k], q[(k + 1) & 3]));
-                let bad = || !is_valid(q.map(|v| at(v.0)), ids.map(|k| out.points[k]));
+                let bad = || !is_valid(laid_flat(q.map(|v| at(v.0)), ids.map(|k| out.points[k])));
                 if ids.iter().any(|&k| curved[k]) && bad() {
                     for k in ids {
                         (out.points[k], curved[k]) = (chord(&out.sides[k]), false);
@@ -113,16 +140,17 @@ impl MidNodes {
             }
         }
         out.n_on_curves = curved.iter().filter(|c| **c).count();
-        if centres {
-            out.centres = mesh.quads.iter().map(|q| out.centre(q.map(|v| at(v.0)), q)).collect();
+        if let Some(f) = centre {
+            let centre = |(i, q): (usize, &[VertexId; 4])| f(i, out.centre(q.map(|v| at(v.0)), q));
+            out.centres = quads.iter().enumerate().map(centre).collect();
         }
         out
     }
 
     /// The value of the serendipity element at its centre: (2 Σ middles - Σ corners) / 4.
-    fn centre(&self, corners: [Point2; 4], q: &[VertexId; 4]) -> Point2 {
-        let middles: Point2 = (0..4).map(|k| self.points[self.side(q[k], q[(k + 1) & 3])]).sum();
-        0.25 * (2.0 * middles - corners.iter().copied().sum::<Point2>())
+    fn centre(&self, corners: [DVec3; 4], q: &[VertexId; 4]) -> DVec3 {
+        let middles: DVec3 = (0..4).map(|k| self.points[self.side(q[k], q[(k + 1) & 3])]).sum();
+        0.25 * (2.0 * middles - corners.iter().copied().sum::<DVec3>())
     }
 
     fn side(&self, a: VertexId, b: VertexId) -> usize {
@@ -135,7 +163,7 @@ impl MidNodes {
     }
 
     /// Where the middle of a side lies; `None` if there is no such side.
-    pub fn point(&self, a: VertexId, b: VertexId) -> Option<Point2> {
+    pub fn point(&self, a: VertexId, b: VertexId) -> Option<DVec3> {
         self.sides.binary_search(&key(a, b)).ok().map(|k| self.points[k])
     }
 
@@ -153,7 +181,7 @@ impl MidNodes {
     }
 
     /// Positions, in the order of their numbers behind the vertices.
-    pub fn points(&self) -> impl Iterator<Item = Point2> + '_ {
+    pub fn points(&self) -> impl Iterator<Item = DVec3> + '_ {
         self.points.iter().chain(&self.centres).copied()
     }
 
@@ -177,7 +205,7 @@ impl MidNodes {
         nodes
     }
 
-    /// Number of middles that lie on a curve, not on a chord.
+    /// Number of middles that lie on a curve or surface, not on a chord.
     pub fn n_on_curves(&self) -> usize {
         self.n_on_curves
     }
@@ -250,9 +278,20 @@ fn nearest(tracks: &[Track<'_>], p: Point2, q: Point2) -> Option<Point2> {
     (found.distance(m) <= FARTHEST * p.distance(q) && on_curve(p) && on_curve(q)).then_some(found)
 }
 
+/// Four corners and four middles in the corners' mean plane; of a plane quad as they are.
+fn laid_flat(c: [DVec3; 4], m: [DVec3; 4]) -> ([Point2; 4], [Point2; 4]) {
+    let n = (c[2] - c[0]).cross(c[3] - c[1]);
+    if n.x == 0.0 && n.y == 0.0 && n.z > 0.0 {
+        return (c.map(DVec3::truncate), m.map(DVec3::truncate));
+    }
+    let (x, y) = n.normalize_or(DVec3::Z).any_orthonormal_pair();
+    let flat = |p: DVec3| Point2::new((p - c[0]).dot(x), (p - c[0]).dot(y));
+    (c.map(flat), m.map(flat))
+}
+
 /// True if the Jacobian of the serendipity element is positive at its eight nodes and at its centre. Source: the shape
 /// functions of Zienkiewicz and Taylor, The Finite Element Method, volume 1, section 8.6 (5th edition).
-fn is_valid(c: [Point2; 4], m: [Point2; 4]) -> bool {
+fn is_valid((c, m): ([Point2; 4], [Point2; 4])) -> bool {
     const CORNERS: [(f64, f64); 4] = [(-1., -1.), (1., -1.), (1., 1.), (-1., 1.)];
     const AT: [(f64, f64); 9] =
         [(-1., -1.), (1., -1.), (1., 1.), (-1., 1.), (0., -1.), (1., 0.), (0., 1.), (-1., 0.), (0., 0.)];
@@ -296,7 +335,8 @@ mod tests {
         assert_eq!((m.n_nodes(), m.n_on_curves()), (5, 1));
         let nodes = m.quad(0, &mesh.quads[0]);
         assert_eq!(nodes.len(), 9);
-        let points: Vec<Point2> = mesh.points.iter().copied().chain(m.points()).collect();
+        let points: Vec<Point2> =
+            mesh.points.iter().copied().chain(m.points().map(DVec3::truncate)).collect();
         let at = |k: usize| points[nodes[k].index()];
         assert!((at(7).length() - 1.0).abs() < 1e-14, "on the hole");
         assert_eq!(at(4), Point2::new(1.5, 0.0));
@@ -311,7 +351,31 @@ mod tests {
         let m = MidNodes::on_curves(&mesh, &sets, &geometry, false);
         // The sagitta of a chord of 45 degrees is 0.076.
         assert_eq!(m.n_on_curves(), 0);
-        assert_eq!(m.points().nth(1), Some(mesh.points[0].midpoint(mesh.points[3])));
+        assert_eq!(m.points().nth(1), Some(mesh.points[0].midpoint(mesh.points[3]).extend(0.0)));
+    }
+
+    /// A quad of a cylinder lying on its side, seen from its end: its round sides are bent, the others are not.
+    #[test]
+    fn middles_in_space_are_where_the_caller_says() {
+        let v = VertexId::new;
+        let at = |t: f64, x: f64| DVec3::new(x, t.cos(), t.sin());
+        let points = vec![at(0.0, 0.0), at(0.5, 0.0), at(0.5, 1.0), at(0.0, 1.0)];
+        let mesh = SurfaceMesh { points, quads: vec![[v(0), v(3), v(2), v(1)]] };
+        let known = [([v(1), v(0)], at(0.25, 0.0)), ([v(2), v(3)], at(0.25, 1.0))];
+        let lift = |q: usize, p: DVec3| {
+            assert_eq!(q, 0);
+            let r = DVec3::new(0.0, p.y, p.z).normalize();
+            DVec3::new(p.x, r.y, r.z)
+        };
+        let m = MidNodes::in_space(&mesh, &known, Some(&lift));
+        assert_eq!((m.n_nodes(), m.n_on_curves()), (5, 2));
+        assert_eq!(m.point(v(0), v(1)), Some(at(0.25, 0.0)));
+        assert_eq!(m.point(v(0), v(3)), Some(DVec3::new(0.5, 1.0, 0.0)));
+        let centre = m.points().last().unwrap();
+        assert!(centre.distance(at(0.25, 0.5)) < 1e-12, "{centre}");
+        // A middle on the other side folds the quad: both sides are straight again.
+        let m = MidNodes::in_space(&mesh, &[([v(0), v(1)], at(0.25, 1.5))], None);
+        assert_eq!((m.n_nodes(), m.n_on_curves()), (4, 0));
     }
 
     #[test]

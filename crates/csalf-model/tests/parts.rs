@@ -1,12 +1,12 @@
 //! Whole parts, made by code, to conforming meshes.
 
-use csalf_geom::QuadId;
+use csalf_geom::{QuadId, VertexId};
 use csalf_model::brep::{FaceShape, Model};
 use csalf_model::geometry::{Frame, Inverter, Surface};
 use csalf_model::shapes::{
     Piece, circle, closed_surface, cone, extrude, half_sphere, panel, rectangle, sheet,
 };
-use csalf_model::{LayerSpec, ModelMesh, ModelOptions, SizeRules, check_and_snap, mesh_model};
+use csalf_model::{LayerSpec, ModelMesh, ModelOptions, Shapes, SizeRules, check_and_snap, mesh_model};
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -100,6 +100,51 @@ fn closed_surfaces_without_edges() {
         check(&part, &m, 0.7);
         assert_eq!(m.n_free_sides, 0);
         assert!((volume(&m) / exact - 1.0).abs() < 0.02, "{} {exact}", volume(&m));
+    }
+}
+
+/// Sides of a bored plate: on the rims and walls of the bore their middles are as far from its axis as the vertices, and
+/// on planes nothing is said of them. Of a torus and a free-form bump all middles and centres lie on the surface.
+#[test]
+fn middles_of_sides_lie_on_curves_and_surfaces() {
+    let hole = vec![circle(DVec2::new(10.0, 10.0), 4.0).reversed()];
+    let part = extrude(&[rectangle(20.0, 20.0), hole], 3.0);
+    let m = mesh_model(&part, &options(1.5));
+    let radius = |p: DVec3| p.truncate().distance(DVec2::splat(10.0));
+    let middles = Shapes::new(&part).middles(&m);
+    assert!(middles.windows(2).all(|w| w[0].0 < w[1].0), "each side once, in order");
+    let at = |v: VertexId| m.mesh.points[v.index()];
+    let mut of_bore: Vec<[VertexId; 2]> = m
+        .mesh
+        .quads
+        .iter()
+        .flat_map(|q| (0..4).map(|k| [q[k].min(q[(k + 1) & 3]), q[k].max(q[(k + 1) & 3])]))
+        .filter(|s| s.iter().all(|&v| (radius(at(v)) - 4.0).abs() < 1e-9))
+        .collect();
+    of_bore.sort_unstable();
+    of_bore.dedup();
+    assert_eq!(middles.iter().map(|x| x.0).collect::<Vec<_>>(), of_bore);
+    for ([a, b], p) in &middles {
+        let chord = at(*a).distance(at(*b));
+        assert!((radius(*p) - 4.0).abs() < 1e-9 && p.distance(at(*a).midpoint(at(*b))) < 0.2 * chord, "{p}");
+    }
+    assert!(middles.iter().any(|([a, b], p)| p.distance(at(*a).midpoint(at(*b))) > 0.01));
+
+    let frame = Frame::new(DVec3::new(1.0, 2.0, 3.0), DVec3::ONE, DVec3::X);
+    let torus = Surface::Torus { frame, major: 3.0, minor: 1.0 };
+    let part = closed_surface(torus.clone());
+    let m = mesh_model(&part, &options(0.6));
+    let shapes = Shapes::new(&part);
+    let middles = shapes.middles(&m);
+    assert_eq!(middles.len(), 2 * m.mesh.quads.len(), "all sides of a closed mesh");
+    let inverter = Inverter::new(&torus);
+    let off = |p: DVec3| inverter.invert(p, None, 0.0).1;
+    let chord = |[a, b]: [VertexId; 2]| m.mesh.points[a.index()].midpoint(m.mesh.points[b.index()]);
+    assert!(middles.iter().all(|(_, p)| off(*p) < 1e-12));
+    assert!(middles.iter().filter(|(s, _)| off(chord(*s)) > 1e-3).count() > m.mesh.quads.len());
+    for q in 0..m.mesh.quads.len() {
+        let p = m.mesh.corners(QuadId(q as u32)).iter().sum::<DVec3>() * 0.25;
+        assert!(off(shapes.centre(&m, q, p)) < 1e-12 && off(p) > 1e-4);
     }
 }
 

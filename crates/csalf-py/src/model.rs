@@ -202,7 +202,8 @@ impl Plan {
         }
         let model = self.prepared.model();
         let faces = model.faces.iter().map(|f| f.name.clone()).collect();
-        Ok(ModelMesh::new(Stitched { name: model.name.clone(), faces, mesh }))
+        let made = Stitched { name: model.name.clone(), faces, mesh };
+        Ok(ModelMesh::new(made, Some(Arc::clone(&self.prepared))))
     }
 
     /// Meshes part `index` (from 1) of `count`: the bytes of a shard.
@@ -240,5 +241,5 @@ pub(crate) fn stitch(py: Python<'_>, shards: Vec<(String, Vec<u8>)>) -> PyResult
         }
         shard::stitch(good.into_iter().filter_map(Result::ok).collect())
     });
-    stitched.map(ModelMesh::new).map_err(|e| errors::of_shards(py, &e))
+    stitched.map(|made| ModelMesh::new(made, None)).map_err(|e| errors::of_shards(py, &e))
 }

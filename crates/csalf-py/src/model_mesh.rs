@@ -2,18 +2,19 @@
 
 use crate::mesh::{How, Named, cell_data, elements, named_sets, put, rows};
 use crate::{errors, share};
-use csalf_cli::metrics;
+use csalf_cli::{metrics, second_order};
 use csalf_geom::VertexId;
 use csalf_io::{CellData, IoError, MeshFormat, MeshView, WriteOptions, json};
 use csalf_mesh::SurfaceMesh;
 use csalf_model::shard::Stitched;
-use csalf_model::{FaceFailure, LoopLayers};
+use csalf_model::{FaceFailure, LoopLayers, Prepared};
 use glam::DVec3;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use std::io::Write;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// The mesh of a model.
 #[pyclass(module = "csalf._csalf", frozen)]
@@ -22,12 +23,14 @@ pub(crate) struct ModelMesh {
     name: String,
     faces: Vec<String>,
     mesh: csalf_model::ModelMesh,
+    /// What it was made of, if that was here.
+    model: Option<Arc<Prepared<'static>>>,
 }
 
 impl ModelMesh {
-    pub(crate) fn new(made: Stitched) -> Self {
+    pub(crate) fn new(made: Stitched, model: Option<Arc<Prepared<'static>>>) -> Self {
         let Stitched { name, faces, mesh } = made;
-        Self { name, faces, mesh }
+        Self { name, faces, mesh, model }
     }
 
     fn surface(&self) -> &SurfaceMesh {
@@ -44,7 +47,9 @@ impl ModelMesh {
         let (flat, heights) = self.surface().split();
         let view =
             MeshView { mesh: &flat, heights: &heights, sets: &self.mesh.sets, cell_data, title: &self.name };
-        let how = WriteOptions { element: how.element, ..WriteOptions::default() };
+        let model = self.model.as_ref().filter(|_| how.nodes > 4);
+        let mid = model.map(|m| second_order::of_model(m.model(), &self.mesh, how.nodes == 9));
+        let how = WriteOptions { mid: mid.as_ref(), element: how.element };
         csalf_io::write_mesh_with(format, &view, &how, w)?;
         Ok(w.flush()?)
     }
@@ -99,7 +104,7 @@ impl ModelMesh {
             n_free_sides: n_sides.0,
             n_branching_sides: n_sides.1,
         };
-        Ok(Self { name, faces, mesh })
+        Ok(Self { name, faces, mesh, model: None })
     }
 
     #[getter]
@@ -273,8 +278,10 @@ impl ModelMesh {
         element: &str,
     ) -> PyResult<()> {
         let (data, how) = (cell_data(data), How::new(nodes, element)?);
-        if how.nodes > 4 {
-            return Err(errors::value("meshes of models have no mid-side nodes yet"));
+        if how.nodes > 4 && self.model.is_none() {
+            return Err(errors::value(
+                "mid-side nodes need the model's surfaces, which a stitched or unpickled mesh does not know",
+            ));
         }
         put(py, &path, format, |format, w| self.fill(format, &data, how, w))
     }

@@ -54,12 +54,12 @@ struct Plan {
     layers: layers::Layers,
 }
 
-impl Plan {
-    fn order(&self) -> Order {
-        match (self.args.order, self.args.centres) {
-            (Some(2), centres) => Order::Second { centres },
-            _ => Order::First,
-        }
+/// The order of the elements that is asked for.
+pub(super) fn order(args: &MeshArgs) -> Result<Order, Failure> {
+    match (args.order, args.centres) {
+        (Some(2), centres) => Ok(Order::Second { centres }),
+        (_, true) => Err(Failure::Usage("--centres goes with --order 2".into())),
+        _ => Ok(Order::First),
     }
 }
 
@@ -85,9 +85,7 @@ fn settle(args: MeshArgs, extra: Extra) -> Result<Plan, Failure> {
     let input = args.input.clone().ok_or_else(|| Failure::Usage("no input: name one, or `-`".into()))?;
     let input_format = files::job_format(&input, args.input_format.as_deref())?;
     let outputs = outputs(&args)?;
-    if args.centres && args.order != Some(2) {
-        return Err(Failure::Usage("--centres goes with --order 2".into()));
-    }
+    order(&args)?;
     if let Some(text) = &args.layers {
         table = layers::parse(text, args.layer_law.as_ref(), args.first_layer)
             .map_err(|e| Failure::Usage(format!("--layers: {e}")))?;
@@ -146,7 +144,7 @@ fn execute(plan: &Plan, level: i32) -> Result<(), Failure> {
             .iter()
             .map(|o| Output { path: path_of(&o.path, &outline.name, k, n), ..o.clone() })
             .collect();
-        let (order, element) = (plan.order(), plan.args.element.map(Into::into).unwrap_or_default());
+        let (order, element) = (order(&plan.args)?, plan.args.element.map(Into::into).unwrap_or_default());
         let geometry = outline.geometry.as_ref();
         let request = Request {
             input: &input,

@@ -1,6 +1,6 @@
 //! `csalf mesh` of whole models: STEP files and facets.
 
-use super::mesh::outputs;
+use super::mesh::{Order, order, outputs};
 use super::model_info;
 use super::model_report::Done;
 use crate::args::{ElementArg, MeshArgs};
@@ -11,9 +11,9 @@ use crate::metrics::scaled_jacobians;
 pub use crate::model_file::format;
 use crate::progress::{self, Progress};
 use crate::timing::timed;
-use crate::{json, layers, logging, model_file, page, say};
+use crate::{json, layers, logging, model_file, page, say, second_order};
 use csalf_core::Options;
-use csalf_io::{CellData, MeshView};
+use csalf_io::{CellData, MeshView, MidNodes, WriteOptions};
 use csalf_model::brep::Model;
 use csalf_model::{LoopLayers, ModelMesh, ModelOptions, SizeRules, mesh_model};
 use glam::DVec3;
@@ -33,8 +33,11 @@ pub(super) fn read(path: &Path, format: &str, keys: &ModelKeys) -> Result<Model,
 pub fn mesh(args: &MeshArgs, extra: &Extra, format: &str, level: i32) -> Result<(), Failure> {
     let input = args.input.clone().unwrap_or_default();
     let shown = files::shown(&input);
-    if args.order == Some(2) || args.centres {
-        return Err(Failure::Usage(format!("{shown}: --order 2 is not for models yet")));
+    let order = order(args)?;
+    if order != Order::First && args.shard.is_some() {
+        return Err(Failure::Usage(
+            "--order 2 does not go with --shard: a stitched mesh knows no surfaces".into(),
+        ));
     }
     let outputs = if args.shard.is_some() { Vec::new() } else { outputs(args)? };
     let report = args.report.as_deref();
@@ -61,7 +64,15 @@ pub fn mesh(args: &MeshArgs, extra: &Extra, format: &str, level: i32) -> Result<
     if level >= 0 {
         say::warnings(&shown, &meshed.warnings);
     }
-    let (written, write_s) = timed(|| write(&model.name, &meshed, args.element, &outputs));
+    let (written, write_s) = timed(|| {
+        let mid = match order {
+            Order::First => None,
+            Order::Second { centres } => {
+                Some(pool.install(|| second_order::of_model(&model, &meshed, centres)))
+            }
+        };
+        write(&model.name, &meshed, mid.as_ref(), args.element, &outputs)
+    });
     written?;
     say_failures(&shown, &meshed, outputs.first())?;
     let done = Done { model: &model, meshed: &meshed, outputs: &outputs, read_s, mesh_s: seconds, write_s };
@@ -156,6 +167,7 @@ pub(super) fn say_failures(shown: &str, meshed: &ModelMesh, beside: Option<&Outp
 pub(super) fn write(
     title: &str,
     meshed: &ModelMesh,
+    mid: Option<&MidNodes>,
     element: Option<ElementArg>,
     outputs: &[Output],
 ) -> Result<(), Failure> {
@@ -166,7 +178,7 @@ pub(super) fn write(
     ];
     let view = MeshView { mesh: &flat, heights: &heights, sets: &meshed.sets, cell_data: &cell_data, title };
     let element = element.map(Into::into).unwrap_or_default();
-    let how = csalf_io::WriteOptions { element, ..csalf_io::WriteOptions::default() };
+    let how = WriteOptions { mid, element };
     outputs.iter().try_for_each(|o| files::write_mesh(&view, &how, o))
 }
 

@@ -94,7 +94,7 @@ fn put_together(args: &StitchArgs, level: i32) -> Result<(), Failure> {
     if level >= 0 {
         say::warnings(&name, &mesh.warnings);
     }
-    model::write(&name, &mesh, args.element, &outputs)?;
+    model::write(&name, &mesh, None, args.element, &outputs)?;
     model::say_failures(&name, &mesh, outputs.first())?;
     let (least, mean) = of_list(&scaled_jacobians(&mesh.mesh));
     let (n_quads, n_nodes, n_failed) = (mesh.mesh.quads.len(), mesh.mesh.points.len(), mesh.failures.len());

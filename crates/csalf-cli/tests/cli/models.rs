@@ -42,19 +42,54 @@ fn what_a_model_cannot_have_is_said() {
     for (args, word) in [
         (&["mesh", "block.step"][..], "nothing to write"),
         (&["mesh", "block.step", "-o", "a.vtu", "--format", "nonsense"], "nonsense"),
-        (&["mesh", "block.step", "-o", "a.vtu", "--order", "2"], "--order"),
+        (&["mesh", "block.step", "-o", "a", "--shard", "1/2", "--order", "2"], "--order"),
+        (&["mesh", "block.step", "-o", "a.vtu", "--centres"], "--order"),
         (&["mesh", "part.igs", "-o", "a.vtu"], "csalf.cad"),
     ] {
         let ran = run(&folder, args);
         assert_eq!(ran.code, 2, "{args:?}: {}", ran.err);
         assert!(ran.err.contains(word), "{args:?}: {}", ran.err);
     }
+    let ran = run(&folder, &["mesh", "block.step", "-o", "a.obj", "--order", "2"]);
+    assert!(ran.code == 3 && ran.err.contains("no quadratic elements"), "{}", ran.err);
     let ran = run(&folder, &["mesh", "block.step", "-o", "a.vtu", "--size", "8", "--layers", "slot*=2"]);
     assert!(ran.code == 0 && ran.err.contains("no loop has such a name"), "{}", ran.err);
     std::fs::remove_file(folder.join("a.vtu")).unwrap();
     let ran = run(&folder, &["mesh", "block.step", "-o", "a.vtu", "--dry-run"]);
     assert!(ran.code == 0 && ran.out.contains("circle, diameter 12"), "{}", ran.out);
     assert!(!folder.join("a.vtu").exists());
+}
+
+#[test]
+fn elements_of_second_order_are_those_of_the_first_with_more_nodes() {
+    let folder = folder("model_order");
+    std::fs::write(folder.join("block.step"), BLOCK).unwrap();
+    let nodes_of = |order: &[&str]| {
+        let ran = run(&folder, &[&["mesh", "block.step", "-o", "a.msh2", "--size", "6"], order].concat());
+        assert_eq!(ran.code, 0, "{}", ran.err);
+        let text = std::fs::read_to_string(folder.join("a.msh2")).unwrap();
+        let part = |name: &str| {
+            let (_, rest) = text.split_once(&format!("${name}\n")).unwrap();
+            rest.lines().skip(1).take_while(|l| !l.starts_with('$')).map(str::to_owned).collect::<Vec<_>>()
+        };
+        (part("Nodes"), part("Elements"))
+    };
+    let quads = |elements: &[String], kind: &str| {
+        let all = elements.iter().map(|l| l.split(' ').map(str::to_owned).collect::<Vec<_>>());
+        all.filter(|l| l[1] == kind).map(|l| l[5..9].to_vec()).collect::<Vec<_>>()
+    };
+    let (points, elements) = nodes_of(&[]);
+    let corners = quads(&elements, "3");
+    for (order, kind, more) in [
+        (&["--order", "2"][..], "16", 2 * corners.len()),
+        (&["--order", "2", "--centres"], "10", 3 * corners.len()),
+    ] {
+        let (all, elements) = nodes_of(order);
+        assert_eq!(all[..points.len()], points);
+        // The block is closed: as many sides as half of four per quad.
+        assert_eq!(all.len(), points.len() + more);
+        assert_eq!(quads(&elements, kind), corners);
+    }
 }
 
 #[test]

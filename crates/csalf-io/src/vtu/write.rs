@@ -188,8 +188,7 @@ fn grid_arrays(out: &MeshView<'_>, mid: Option<&MidNodes>) -> Vec<Array> {
 /// Points, connectivity, offsets, types of quadratic cells.
 fn quadratic_arrays(out: &MeshView<'_>, mid: &MidNodes) -> Vec<Array> {
     let mesh = out.mesh;
-    let points = mesh.points.iter().copied().chain(mid.points());
-    let xyz = points.flat_map(|p| [p.x, p.y, 0.0]);
+    let xyz = out.all_xyz(Some(mid)).flatten();
     let (mut nodes, mut ends, mut types) = (Vec::new(), Vec::new(), Vec::new());
     for (i, q) in mesh.quads.iter().enumerate() {
         nodes.extend(mid.quad(i, q));
