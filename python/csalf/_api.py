@@ -17,7 +17,7 @@ from ._curves import nodes
 from ._errors import GeometryError, SizeError
 from ._layers import Layer, layer_row
 from ._mesh import Check, Mesh, joined
-from ._model import FORMATS, Model, mesh_model
+from ._model import FORMATS, Model, ModelMesh, mesh_model
 
 log = logging.getLogger("csalf")
 
@@ -180,8 +180,10 @@ def discretise(
 
 
 def read(path: str | os.PathLike[str], format: str | None = None) -> Mesh:
-    """Reads a mesh: .vtu, .msh, .inp, .bdf, .obj."""
-    return Mesh(_csalf.read(os.fspath(path), format))
+    """Reads a mesh: .vtu, .msh, .inp, .bdf, .obj. One in space is a ``ModelMesh``: its faces are the quad sets that have
+    no quad of an earlier one, and ``other`` for what is left."""
+    raw = _csalf.read(os.fspath(path), format)
+    return ModelMesh(raw) if isinstance(raw, _csalf.ModelMesh) else Mesh(raw)
 
 
 def check(mesh: Mesh | str | os.PathLike[str], min_sj: float | None = None) -> Check:

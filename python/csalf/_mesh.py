@@ -201,7 +201,7 @@ class Mesh:
         goes with formats that hold values; without it, the scaled Jacobian.
 
         ``order=2`` gives quadratic elements, with mid-side nodes on the curves where loops were given as curves, of models
-        on their edges and surfaces (not of stitched and unpickled meshes, which know none); with ``centres`` quads have
+        on their edges and surfaces (not of stitched, unpickled and read meshes, which know none); with ``centres`` quads have
         nine nodes. ``element`` is that of .inp: shell, plane-stress, plane-strain, axisymmetric.
         """
         if order not in (1, 2) or (centres and order == 1):

@@ -75,8 +75,27 @@ def test_second_order(block: csalf.ModelMesh, tmp_path, centres: bool) -> None:
         assert rise[block.face_of_quad == k].max() > 1e-3
     assert n_round > 0
     assert np.allclose(rise[kinds[block.face_of_quad] == "plane"].min(axis=1), 0)
-    with pytest.raises(ValueError, match="stitched or unpickled"):
+    with pytest.raises(ValueError, match="stitched, unpickled"):
         pickle.loads(pickle.dumps(block)).write(tmp_path / "again.vtu", order=2)
+
+
+@needs_block
+@pytest.mark.parametrize("suffix", ["vtu", "msh", "inp", "bdf", "obj"])
+def test_meshes_in_space_are_read(block: csalf.ModelMesh, tmp_path, suffix: str) -> None:
+    block.write(tmp_path / f"block.{suffix}")
+    read = csalf.read(tmp_path / f"block.{suffix}")
+    assert isinstance(read, csalf.ModelMesh)
+    assert np.array_equal(read.quads, block.quads) and np.allclose(read.points, block.points, rtol=0, atol=1e-9)
+    assert (read.n_free_sides, read.n_branching_sides) == (0, 0) and not read.failures
+    assert read.scaled_jacobian == pytest.approx(block.scaled_jacobian, abs=1e-6)
+    assert csalf.check(tmp_path / f"block.{suffix}", min_sj=0.3).ok
+    if suffix in ("vtu", "msh", "inp"):
+        assert read.faces == block.faces and np.array_equal(read.face_of_quad, block.face_of_quad)
+        assert set(read.quad_sets) == set(block.quad_sets)
+    if suffix == "vtu":
+        assert np.array_equal(read.cell_data["face"], block.face_of_quad)
+    with pytest.raises(ValueError, match="stitched, unpickled"):
+        read.write(tmp_path / "second.vtu", order=2)
 
 
 @needs_block

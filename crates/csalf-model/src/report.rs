@@ -51,3 +51,25 @@ pub struct ModelMesh {
     /// Sides that belong to three quads or more.
     pub n_branching_sides: usize,
 }
+
+impl ModelMesh {
+    /// Counts the sides of one quad and those of three and more. Cost O(n log n).
+    pub fn count_sides(&mut self) {
+        let mut sides: Vec<[u32; 2]> = Vec::with_capacity(4 * self.mesh.quads.len());
+        for q in &self.mesh.quads {
+            for k in 0..4 {
+                let (a, b) = (q[k].0, q[(k + 1) % 4].0);
+                sides.push([a.min(b), a.max(b)]);
+            }
+        }
+        sides.sort_unstable();
+        (self.n_free_sides, self.n_branching_sides) = (0, 0);
+        for run in sides.chunk_by(|a, b| a == b) {
+            match run.len() {
+                1 => self.n_free_sides += 1,
+                2 => {}
+                _ => self.n_branching_sides += 1,
+            }
+        }
+    }
+}

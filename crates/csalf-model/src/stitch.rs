@@ -88,7 +88,7 @@ impl Frame {
                 out.sets.edges.push((name.clone(), sides));
             }
         }
-        count_sides(&mut out);
+        out.count_sides();
         out
     }
 }
@@ -176,23 +176,4 @@ fn own_numbers(m: &MeshedFace, points: &mut Vec<DVec3>) -> Vec<u32> {
             points.len() as u32 - 1
         })
         .collect()
-}
-
-/// Counts sides of one quad and of three and more.
-fn count_sides(out: &mut ModelMesh) {
-    let mut sides: Vec<[u32; 2]> = Vec::with_capacity(4 * out.mesh.quads.len());
-    for q in &out.mesh.quads {
-        for k in 0..4 {
-            let (a, b) = (q[k].0, q[(k + 1) % 4].0);
-            sides.push([a.min(b), a.max(b)]);
-        }
-    }
-    sides.sort_unstable();
-    for run in sides.chunk_by(|a, b| a == b) {
-        match run.len() {
-            1 => out.n_free_sides += 1,
-            2 => {}
-            _ => out.n_branching_sides += 1,
-        }
-    }
 }

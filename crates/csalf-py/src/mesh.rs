@@ -1,5 +1,6 @@
 //! The finished mesh. Python sees its arrays in place, so it never changes.
 
+use crate::model_mesh::ModelMesh;
 use crate::{errors, job, share};
 use csalf_cli::{commands, json, metrics};
 use csalf_core::{Job, MeshReport, Meshed, Options};
@@ -223,11 +224,7 @@ impl Mesh {
 
     /// Values per element that came with the file.
     fn cell_data<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let out = PyDict::new(py);
-        for d in &self.cell_data {
-            out.set_item(&d.name, d.values.clone().into_pyarray(py))?;
-        }
-        Ok(out)
+        values_by_name(py, &self.cell_data)
     }
 
     /// Edges that one element has alone, in its direction: the material is on their left.
@@ -350,6 +347,15 @@ pub(crate) fn cell_data(data: Vec<(String, PyReadonlyArray1<'_, f64>)>) -> Vec<C
     data.into_iter().map(|(name, v)| CellData { name, values: v.as_array().to_vec() }).collect()
 }
 
+/// Arrays by name.
+pub(crate) fn values_by_name<'py>(py: Python<'py>, data: &[CellData]) -> PyResult<Bound<'py, PyDict>> {
+    let out = PyDict::new(py);
+    for d in data {
+        out.set_item(&d.name, d.values.clone().into_pyarray(py))?;
+    }
+    Ok(out)
+}
+
 pub(crate) fn rows(edges: &[[u32; 2]]) -> numpy::ndarray::ArrayView2<'_, u32> {
     numpy::ndarray::ArrayView2::from(edges)
 }
@@ -369,22 +375,28 @@ pub(crate) fn elements<const K: usize>(
     Ok(a.rows().into_iter().map(|r| std::array::from_fn(|k| VertexId(r[k]))).collect())
 }
 
-/// Reads a mesh from a file.
+/// Reads a mesh from a file: a plane one, or one in space.
 #[pyfunction]
-pub(crate) fn read(py: Python<'_>, path: PathBuf, format: Option<&str>) -> PyResult<Mesh> {
+pub(crate) fn read(py: Python<'_>, path: PathBuf, format: Option<&str>) -> PyResult<Py<PyAny>> {
     let format = format_of(py, &path, format)?;
     let data = py
         .detach(|| {
             let bytes =
                 std::fs::read(&path).map_err(|source| IoError::Open { path: path.clone(), source })?;
-            csalf_io::read_mesh_bytes(format, &bytes)?.planar(format.name())
+            let data = csalf_io::read_mesh_bytes(format, &bytes)?;
+            // Models have quads alone.
+            if data.mesh.triangles.is_empty() { Ok(data) } else { data.planar(format.name()) }
         })
         .map_err(|e| errors::of_file(py, &e))?;
     if let Some(v) = wild(&data.mesh) {
         return Err(errors::value(format!("an element names vertex {v}, which is not there")));
     }
+    if !data.heights.is_empty() {
+        let name = path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
+        return Ok(Py::new(py, ModelMesh::read(data, name))?.into_any());
+    }
     let csalf_io::MeshData { mesh, sets, cell_data, notes, .. } = data;
-    Ok(Mesh { mesh, sets, cell_data, made: None, notes, field: OnceLock::new() })
+    Ok(Py::new(py, Mesh { mesh, sets, cell_data, made: None, notes, field: OnceLock::new() })?.into_any())
 }
 
 /// A vertex that elements name and that is not there.

@@ -1,10 +1,10 @@
 //! The finished mesh of a model. As [`crate::mesh::Mesh`], with three coordinates, faces, and what failed.
 
-use crate::mesh::{How, Named, cell_data, elements, named_sets, put, rows};
+use crate::mesh::{How, Named, cell_data, elements, named_sets, put, rows, values_by_name};
 use crate::{errors, share};
 use csalf_cli::{metrics, second_order};
 use csalf_geom::VertexId;
-use csalf_io::{CellData, IoError, MeshFormat, MeshView, WriteOptions, json};
+use csalf_io::{CellData, IoError, MeshData, MeshFormat, MeshView, WriteOptions, json};
 use csalf_mesh::SurfaceMesh;
 use csalf_model::shard::Stitched;
 use csalf_model::{FaceFailure, LoopLayers, Prepared};
@@ -23,6 +23,8 @@ pub(crate) struct ModelMesh {
     name: String,
     faces: Vec<String>,
     mesh: csalf_model::ModelMesh,
+    /// Values that its file has.
+    cell_data: Vec<CellData>,
     /// What it was made of, if that was here.
     model: Option<Arc<Prepared<'static>>>,
 }
@@ -30,7 +32,38 @@ pub(crate) struct ModelMesh {
 impl ModelMesh {
     pub(crate) fn new(made: Stitched, model: Option<Arc<Prepared<'static>>>) -> Self {
         let Stitched { name, faces, mesh } = made;
-        Self { name, faces, mesh, model }
+        Self { name, faces, mesh, cell_data: Vec::new(), model }
+    }
+
+    /// What a file holds: its faces are the quad sets that have no quad of an earlier one, and what is left.
+    pub(crate) fn read(data: MeshData, name: String) -> Self {
+        let MeshData { mesh: flat, heights, sets, cell_data, notes } = data;
+        let mut face_of_quad = vec![u32::MAX; flat.quads.len()];
+        let mut faces = Vec::new();
+        let mut add = |name: &str, quads: &mut dyn Iterator<Item = usize>| {
+            quads.for_each(|q| face_of_quad[q] = faces.len() as u32);
+            faces.push(name.to_owned());
+        };
+        let mut taken = vec![false; flat.quads.len()];
+        for (name, quads) in &sets.quads {
+            if !quads.is_empty() && quads.iter().all(|q| !taken[q.index()]) {
+                quads.iter().for_each(|q| taken[q.index()] = true);
+                add(name, &mut quads.iter().map(|q| q.index()));
+            }
+        }
+        if taken.contains(&false) {
+            add("other", &mut (0..taken.len()).filter(|&q| !taken[q]));
+        }
+        let points = flat.points.iter().zip(&heights).map(|(p, &z)| p.extend(z)).collect();
+        let mut mesh = csalf_model::ModelMesh {
+            mesh: SurfaceMesh { points, quads: flat.quads },
+            sets,
+            face_of_quad,
+            warnings: notes,
+            ..csalf_model::ModelMesh::default()
+        };
+        mesh.count_sides();
+        Self { name, faces, mesh, cell_data, model: None }
     }
 
     fn surface(&self) -> &SurfaceMesh {
@@ -104,7 +137,7 @@ impl ModelMesh {
             n_free_sides: n_sides.0,
             n_branching_sides: n_sides.1,
         };
-        Ok(Self { name, faces, mesh, model: None })
+        Ok(Self { name, faces, mesh, cell_data: Vec::new(), model: None })
     }
 
     #[getter]
@@ -191,10 +224,9 @@ impl ModelMesh {
         crate::mesh::quad_sets(py, &self.mesh.sets)
     }
 
-    /// None came with it.
-    #[allow(clippy::unused_self, reason = "as that of the plane mesh")]
-    fn cell_data<'py>(&self, py: Python<'py>) -> Bound<'py, PyDict> {
-        PyDict::new(py)
+    /// Values per element that came with the file.
+    fn cell_data<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        values_by_name(py, &self.cell_data)
     }
 
     /// Sides that one quad has alone, in its direction.
@@ -280,7 +312,7 @@ impl ModelMesh {
         let (data, how) = (cell_data(data), How::new(nodes, element)?);
         if how.nodes > 4 && self.model.is_none() {
             return Err(errors::value(
-                "mid-side nodes need the model's surfaces, which a stitched or unpickled mesh does not know",
+                "mid-side nodes need the model's surfaces, which a stitched, unpickled or read mesh does not know",
             ));
         }
         put(py, &path, format, |format, w| self.fill(format, &data, how, w))
