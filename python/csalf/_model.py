@@ -175,7 +175,8 @@ class ModelMesh(Mesh):
 
     def _values(self, cell_data: Mapping[str, ArrayLike] | None) -> list[tuple[str, Floats]]:
         if cell_data is None:
-            cell_data = self.cell_data or {"face": self.face_of_quad, "scaled_jacobian": self.scaled_jacobian}
+            own = {"face": self.face_of_quad, "scaled_jacobian": self.scaled_jacobian}
+            return super()._values(self.cell_data or own)
         return super()._values(cell_data)
 
 

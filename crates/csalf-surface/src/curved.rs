@@ -22,8 +22,9 @@ use csalf_geom::VertexId;
 use csalf_mesh::QuadTopology;
 use glam::DVec2;
 
-/// Sides of facets longer than this share of the wanted length are halved before cuts are made along them.
-const COARSE: f64 = 0.7;
+/// Sides of facets longer than this share of the wanted length are halved before cuts are made along them. Smaller: maps
+/// of more facets, which cost most of the time (0.7: twice as long on a machined part, for the same quads).
+const COARSE: f64 = 1.0;
 /// Most facets after dividing.
 const MAX_FACETS: usize = 60_000;
 /// Most times that the facets are divided.
@@ -31,10 +32,13 @@ const MAX_LEVELS: usize = 6;
 /// Times that a cut face is meshed with smaller sizes, if two pieces between the same seams are but one quad
 /// wide, so that their meshes share more than the seams, or if quads come out folded.
 const RETRIES: usize = 4;
+/// Faces in more charts than this are meshed once: where heaps of needles end in hundreds of charts, finer sizes took
+/// minutes to fail again (`fuzz-models`, seed 2026).
+const FEW_CHARTS: usize = 64;
 /// Factor of the sizes from one attempt to the next.
 const FINER: f64 = 0.6;
 /// Most charts of one face.
-const MAX_CHARTS: usize = 400;
+const MAX_CHARTS: usize = 150;
 
 /// The face with what belongs to its vertices and half-sides.
 pub(crate) struct Face {
@@ -88,7 +92,8 @@ pub(crate) fn curved(input: &FaceInput<'_>, options: &Options) -> Result<FaceMes
     // Of attempts with quads that are folded in space the one with the fewest; and why there is none.
     let mut folded: Option<FaceMesh> = None;
     let mut refused = None;
-    for attempt in 0..RETRIES {
+    let attempts = if pieces.len() > FEW_CHARTS { 1 } else { RETRIES };
+    for attempt in 0..attempts {
         match face.mesh(input, options, &pieces, &cut, attempt) {
             Ok(out) if out.report.quality.n_nonpositive == 0 || pieces.len() == 1 => return Ok(out),
             Ok(out) => {
