@@ -174,9 +174,8 @@ class ModelMesh(Mesh):
         return self.points
 
     def _values(self, cell_data: Mapping[str, ArrayLike] | None) -> list[tuple[str, Floats]]:
-        if cell_data is None:
-            own = {"face": self.face_of_quad, "scaled_jacobian": self.scaled_jacobian}
-            return super()._values(self.cell_data or own)
+        if cell_data is None and not self.cell_data:
+            cell_data = {"face": self.face_of_quad, "scaled_jacobian": self.scaled_jacobian}
         return super()._values(cell_data)
 
 

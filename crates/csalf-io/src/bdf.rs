@@ -303,7 +303,8 @@ fn take_entry(e: &Entry, out: &mut Builder) -> Result<(), IoError> {
         let s = field(k);
         s.parse::<u64>().map_err(|_| fail(format!("{s:?} is not a number of a node or element")))
     };
-    let n_corners = match e.name.as_str() {
+    // Corners, and fields of nodes between them, which may be blank.
+    let (n_corners, n_middles) = match e.name.as_str() {
         "GRID" => {
             if !matches!(field(1), "" | "0") {
                 return Err(IoError::unsupported(
@@ -319,10 +320,13 @@ fn take_entry(e: &Entry, out: &mut Builder) -> Result<(), IoError> {
             }
             return out.node(number(0)?, xyz, e.line);
         }
-        "CQUAD4" | "CQUADR" | "CSHEAR" => 4,
-        "CTRIA3" | "CTRIAR" => 3,
-        "CBAR" | "CBEAM" | "CROD" => 2,
-        "CQUAD8" | "CTRIA6" | "CQUAD" | "CTETRA" | "CHEXA" | "CPENTA" | "CPYRAM" => {
+        "CQUAD4" | "CQUADR" | "CSHEAR" => (4, 0),
+        "CQUAD8" => (4, 4),
+        "CQUAD" => (4, 5),
+        "CTRIA3" | "CTRIAR" => (3, 0),
+        "CTRIA6" => (3, 3),
+        "CBAR" | "CBEAM" | "CROD" => (2, 0),
+        "CTETRA" | "CHEXA" | "CPENTA" | "CPYRAM" => {
             return Err(IoError::unsupported(FORMAT, Place::Line(e.line), format!("element {}", e.name)));
         }
         _ => return Ok(()),
@@ -332,6 +336,9 @@ fn take_entry(e: &Entry, out: &mut Builder) -> Result<(), IoError> {
         *c = number(2 + k)?;
     }
     out.element(number(0)?, &corners[..n_corners], e.line);
+    for k in (0..n_middles).map(|k| 2 + n_corners + k).filter(|&k| !matches!(field(k), "" | "0")) {
+        out.middles(&[number(k)?]);
+    }
     Ok(())
 }
 

@@ -61,6 +61,8 @@ pub(crate) struct Builder {
     corners: Vec<u64>,
     /// End of each element's corners.
     ends: Vec<usize>,
+    /// Numbers of nodes between corners, of elements of second order.
+    middles: Vec<u64>,
     /// Where each element was found: line or cell, as `place_of` says it.
     places: Vec<u32>,
     place_of: fn(usize) -> Place,
@@ -85,6 +87,7 @@ impl Builder {
             element_numbers: Vec::new(),
             corners: Vec::new(),
             ends: Vec::new(),
+            middles: Vec::new(),
             places: Vec::new(),
             place_of,
             node_sets: Vec::new(),
@@ -118,6 +121,38 @@ impl Builder {
         self.places.push(u32::try_from(place).unwrap_or(u32::MAX));
     }
 
+    /// Names nodes between the corners of an element of second order: what is no corner of any element is left out.
+    pub(crate) fn middles(&mut self, nodes: &[u64]) {
+        self.middles.extend_from_slice(nodes);
+    }
+
+    /// Takes out what [`Self::middles`] named, from the node sets, too.
+    fn leave_out_middles(&mut self) {
+        let mut corners = self.corners.clone();
+        corners.sort_unstable();
+        let mut gone = std::mem::take(&mut self.middles);
+        gone.sort_unstable();
+        gone.dedup();
+        gone.retain(|m| corners.binary_search(m).is_err());
+        let stays = |n: u64| gone.binary_search(&n).is_err();
+        let kept: Vec<bool> = self.node_numbers.iter().map(|&n| stays(n)).collect();
+        fn keep<T>(list: &mut Vec<T>, kept: &[bool]) {
+            let mut k = kept.iter();
+            list.retain(|_| k.next() == Some(&true));
+        }
+        keep(&mut self.node_numbers, &kept);
+        keep(&mut self.points, &kept);
+        keep(&mut self.heights, &kept);
+        for (_, members) in &mut self.node_sets {
+            members.retain(|&n| stays(n));
+        }
+        let n = kept.iter().filter(|k| !**k).count();
+        if n > 0 {
+            self.notes
+                .push(format!("{n} nodes between corners were left out: elements are taken as straight"));
+        }
+    }
+
     pub(crate) fn n_elements(&self) -> usize {
         self.ends.len()
     }
@@ -129,7 +164,10 @@ impl Builder {
 
     /// The mesh, which may lie in space, and all lines. Elements keep their order; an element number that comes again with the same corners is the same
     /// element (Gmsh 2.2 writes one in two groups so).
-    pub(crate) fn finish_with_lines(self) -> Result<(MeshData, Vec<[VertexId; 2]>), IoError> {
+    pub(crate) fn finish_with_lines(mut self) -> Result<(MeshData, Vec<[VertexId; 2]>), IoError> {
+        if !self.middles.is_empty() {
+            self.leave_out_middles();
+        }
         let (format, place_of) = (self.format, self.place_of);
         let fail =
             |i: usize, message: String| IoError::syntax(format, place_of(self.places[i] as usize), message);

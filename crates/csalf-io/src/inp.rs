@@ -149,16 +149,21 @@ fn write_list(numbers: impl Iterator<Item = u32>, w: &mut dyn Write) -> Result<(
     Ok(writeln!(w)?)
 }
 
-/// Number of corners of an element type; `None` of types that are not read.
-fn corners_of(kind: &str) -> Option<usize> {
+/// Corners and nodes of an element type, corners first; `None` of types that are not read.
+fn corners_of(kind: &str) -> Option<(usize, usize)> {
     let kind = kind.to_ascii_uppercase();
     let base = kind.trim_end_matches(|c: char| !c.is_ascii_digit());
     match base {
         "S4" | "CPS4" | "CPE4" | "CAX4" | "CGAX4" | "M3D4" | "R3D4" | "DS4" | "DC2D4" | "DCAX4"
-        | "SFM3D4" | "AC2D4" => Some(4),
+        | "SFM3D4" | "AC2D4" => Some((4, 4)),
+        "S8" | "CPS8" | "CPE8" | "CAX8" | "CGAX8" | "M3D8" | "DS8" | "DC2D8" | "DCAX8" | "SFM3D8"
+        | "AC2D8" => Some((4, 8)),
+        "M3D9" | "S9" => Some((4, 9)),
         "S3" | "CPS3" | "CPE3" | "CAX3" | "CGAX3" | "M3D3" | "R3D3" | "DS3" | "DC2D3" | "DCAX3"
-        | "SFM3D3" | "STRI3" | "AC2D3" => Some(3),
-        "B21" | "B31" | "B23" | "B33" | "T2D2" | "T3D2" | "R2D2" => Some(2),
+        | "SFM3D3" | "STRI3" | "AC2D3" => Some((3, 3)),
+        "S6" | "STRI65" | "CPS6" | "CPE6" | "CAX6" | "CGAX6" | "M3D6" | "DS6" | "DC2D6" | "DCAX6"
+        | "SFM3D6" | "AC2D6" => Some((3, 6)),
+        "B21" | "B31" | "B23" | "B33" | "T2D2" | "T3D2" | "R2D2" => Some((2, 2)),
         _ => None,
     }
 }
@@ -167,7 +172,7 @@ fn corners_of(kind: &str) -> Option<usize> {
 enum Block {
     Skip,
     Node { set: Option<usize> },
-    Element { n_corners: usize, set: Option<usize> },
+    Element { n_corners: usize, n_nodes: usize, set: Option<usize> },
     NodeSet { at: usize, generate: bool },
     ElementSet { at: usize, generate: bool },
 }
@@ -225,15 +230,17 @@ pub fn read(bytes: &[u8]) -> Result<MeshData, IoError> {
                     out.node_sets[s].1.push(id);
                 }
             }
-            Block::Element { n_corners, set } => {
+            Block::Element { n_corners, n_nodes, set } => {
                 for w in fields.filter(|w| !w.is_empty()) {
                     pending.push(number(w)?);
                 }
-                if pending.len() > n_corners + 1 {
-                    return Err(fail(format!("an element with {} corners", pending.len() - 1)));
+                if pending.len() > n_nodes + 1 {
+                    return Err(fail(format!("an element with {} nodes", pending.len() - 1)));
                 }
-                if pending.len() == n_corners + 1 {
-                    out.element(pending[0], &pending[1..], n_lines);
+                if pending.len() == n_nodes + 1 {
+                    let (corners, middles) = pending[1..].split_at(*n_corners);
+                    out.element(pending[0], corners, n_lines);
+                    out.middles(middles);
                     if let Some(s) = *set {
                         out.element_sets[s].1.push(pending[0]);
                     }
@@ -307,10 +314,10 @@ fn read_keyword(keyword: &str, line: usize, out: &mut Builder) -> Result<Block, 
         "NODE" => Block::Node { set: get("NSET").map(|s| set_at(&mut out.node_sets, s)) },
         "ELEMENT" => {
             let kind = need("TYPE")?;
-            let n_corners = corners_of(kind).ok_or_else(|| {
+            let (n_corners, n_nodes) = corners_of(kind).ok_or_else(|| {
                 IoError::unsupported(FORMAT, Place::Line(line), format!("element type {kind}"))
             })?;
-            Block::Element { n_corners, set: get("ELSET").map(|s| set_at(&mut out.element_sets, s)) }
+            Block::Element { n_corners, n_nodes, set: get("ELSET").map(|s| set_at(&mut out.element_sets, s)) }
         }
         "NSET" => Block::NodeSet { at: set_at(&mut out.node_sets, need("NSET")?), generate },
         "ELSET" => Block::ElementSet { at: set_at(&mut out.element_sets, need("ELSET")?), generate },

@@ -1,7 +1,9 @@
 //! Every mesh format: what is written is read back, and broken files are errors, never panics.
 
 use csalf_geom::{Point2, QuadId, VertexId};
-use csalf_io::{CellData, MeshData, MeshFormat, read_mesh_bytes, write_mesh};
+use csalf_io::{
+    CellData, MeshData, MeshFormat, MidNodes, WriteOptions, read_mesh_bytes, write_mesh, write_mesh_with,
+};
 use csalf_mesh::{NamedSets, QuadMesh};
 use proptest::prelude::*;
 
@@ -97,6 +99,48 @@ fn sets_come_back_as_far_as_the_format_has_them() {
     }
     let obj = read(MeshFormat::Obj).sets;
     assert_eq!((obj.edges, obj.quads), (data.sets.edges, data.sets.quads));
+}
+
+/// Corners, elements and sets as of the first order; what lies between is left out, and that is said.
+#[test]
+fn elements_of_second_order_come_back_straight() {
+    let data = sample(3, 2);
+    for (format, centres) in [
+        (MeshFormat::Vtu, false),
+        (MeshFormat::Vtu, true),
+        (MeshFormat::Msh41, false),
+        (MeshFormat::Msh41, true),
+        (MeshFormat::Msh22, true),
+        (MeshFormat::Inp, false),
+        (MeshFormat::Bdf, false),
+        (MeshFormat::Bdf, true),
+    ] {
+        let mid = MidNodes::new(&data.mesh, centres);
+        let how = WriteOptions { mid: Some(&mid), ..WriteOptions::default() };
+        let mut bytes = Vec::new();
+        write_mesh_with(format, &data.view("sample"), &how, &mut bytes).unwrap();
+        let back = read_mesh_bytes(format, &bytes).unwrap();
+        let first = read_mesh_bytes(format, &written(format, &data)).unwrap();
+        assert_eq!((&back.mesh, &back.cell_data), (&first.mesh, &first.cell_data), "{format:?}");
+        assert_eq!(back.sets.quads, first.sets.quads, "{format:?}");
+        assert_eq!(back.sets.nodes, first.sets.nodes, "{format:?}");
+        let said = format!("{} nodes between corners", mid.n_nodes());
+        assert!(back.notes.len() == 1 && back.notes[0].starts_with(&said), "{format:?}: {:?}", back.notes);
+    }
+}
+
+/// Blank fields stand for nodes that are not there; a node that is a corner elsewhere stays.
+#[test]
+fn middles_may_be_missing_or_shared() {
+    let grid = |k: u32, x: f64, y: f64| format!("GRID,{k},,{x},{y},0.\n");
+    let nodes: String =
+        [(1, 0., 0.), (2, 2., 0.), (3, 2., 1.), (4, 0., 1.), (5, 1., 0.), (6, 1., -1.), (7, 0., -1.)]
+            .map(|(k, x, y)| grid(k, x, y))
+            .concat();
+    let text = format!("BEGIN BULK\n{nodes}CQUAD8,1,1,1,2,3,4,5,\n,,,\nCQUAD4,2,1,7,6,5,1\nENDDATA\n");
+    let back = read_mesh_bytes(MeshFormat::Bdf, text.as_bytes()).unwrap();
+    assert_eq!(back.mesh.quads, [[0, 1, 2, 3], [6, 5, 4, 0]].map(|q| q.map(VertexId)));
+    assert_eq!((back.mesh.points.len(), back.notes.len()), (7, 0));
 }
 
 #[test]

@@ -51,16 +51,24 @@ impl Source<'_> {
     }
 }
 
-/// Corners of an element type that is kept: point, line, triangle, quad.
-fn corners_of(kind: i64) -> Option<usize> {
+/// Corners and nodes of an element type that is kept: point, line, triangle, quad, the last three also of second order,
+/// where corners come first.
+fn corners_of(kind: i64) -> Option<(usize, usize)> {
     match kind {
-        15 => Some(1),
-        1 => Some(2),
-        2 => Some(3),
-        3 => Some(4),
+        15 => Some((1, 1)),
+        1 => Some((2, 2)),
+        8 => Some((2, 3)),
+        2 => Some((3, 3)),
+        9 => Some((3, 6)),
+        3 => Some((4, 4)),
+        16 => Some((4, 8)),
+        10 => Some((4, 9)),
         _ => None,
     }
 }
+
+/// Most nodes of an element.
+const MOST_NODES: usize = 9;
 
 /// What has been gathered of one file.
 pub(super) struct Gathered {
@@ -251,16 +259,16 @@ fn add_element(
     g: &mut Gathered,
     kind: i64,
     number: u64,
-    corners: &[u64],
+    nodes: &[u64],
 ) -> Result<(), IoError> {
-    let known = corners_of(kind).is_some_and(|n| n == corners.len());
-    if !known {
+    let Some((n_corners, _)) = corners_of(kind).filter(|k| k.1 == nodes.len()) else {
         return Err(src
             .text
             .unsupported(format!("element type {kind}; points, lines, triangles and quads are read")));
-    }
+    };
     let place = g.builder.n_elements();
-    g.builder.element(number, corners, place);
+    g.builder.element(number, &nodes[..n_corners], place);
+    g.builder.middles(&nodes[n_corners..]);
     Ok(())
 }
 
@@ -279,7 +287,7 @@ fn elements_22(src: &mut Source<'_>, g: &mut Gathered, n: u64) -> Result<(), IoE
             text_number = Some(positive(src, "element")?);
             (kind, run, n_tags) = (src.int()?, 1, src.int()?);
         }
-        let Some(n_corners) = corners_of(kind) else {
+        let Some((n_corners, n_nodes)) = corners_of(kind) else {
             return Err(src.text.unsupported(format!("element type {kind}")));
         };
         let dim = [0, 1, 2, 2][n_corners - 1];
@@ -294,11 +302,11 @@ fn elements_22(src: &mut Source<'_>, g: &mut Gathered, n: u64) -> Result<(), IoE
                     g.members.push((dim, tag, number));
                 }
             }
-            let mut corners = [0; 4];
-            for c in &mut corners[..n_corners] {
+            let mut nodes = [0; MOST_NODES];
+            for c in &mut nodes[..n_nodes] {
                 *c = positive(src, "node")?;
             }
-            add_element(src, g, kind, number, &corners[..n_corners])?;
+            add_element(src, g, kind, number, &nodes[..n_nodes])?;
         }
         left -= run;
     }
@@ -311,19 +319,19 @@ fn elements_41(src: &mut Source<'_>, g: &mut Gathered) -> Result<(), IoError> {
     for _ in 0..n_blocks {
         let (dim, entity, kind) = (src.int()?, src.int()?, src.int()?);
         let n = src.size()?;
-        let Some(n_corners) = corners_of(kind) else {
+        let Some((_, n_nodes)) = corners_of(kind) else {
             return Err(src.text.unsupported(format!("element type {kind}")));
         };
         let groups = g.entities.binary_search_by_key(&(dim, entity), |e| e.0);
         let groups = groups.map(|k| g.entities[k].1.clone()).unwrap_or_default();
         for _ in 0..n {
             let number = src.size()?;
-            let mut corners = [0; 4];
-            for c in &mut corners[..n_corners] {
+            let mut nodes = [0; MOST_NODES];
+            for c in &mut nodes[..n_nodes] {
                 *c = src.size()?;
             }
             g.members.extend(groups.iter().map(|&t| (dim, t, number)));
-            add_element(src, g, kind, number, &corners[..n_corners])?;
+            add_element(src, g, kind, number, &nodes[..n_nodes])?;
         }
     }
     Ok(())

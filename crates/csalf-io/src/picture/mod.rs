@@ -7,6 +7,7 @@
 //! A mesh in space is seen from the front, the right and above, far elements drawn first, darker where they are turned
 //! away from the light; without dots.
 
+mod layout;
 mod png;
 mod scene;
 mod space;

@@ -1,15 +1,14 @@
 //! What is drawn: polygons by colour, lines, dots, the colour bar; in pixels, y downward.
 
-use super::{FORMAT, Shade};
-use crate::{IoError, MeshView, Place};
-use csalf_geom::Point2;
+use super::Shade;
+use super::layout::{Layout, check};
+use crate::{IoError, MeshView};
+use csalf_geom::VertexId;
 use csalf_mesh::{QuadTopology, quality::scaled_jacobian};
 
 /// Red, green, blue.
 pub(super) type Rgb = [u8; 3];
 
-/// A mesh of more quads than this is drawn larger, without dots.
-pub(super) const MANY_QUADS: usize = 50_000;
 /// Steps of colour: quads of one step are one path.
 pub(super) const STEPS: usize = 25;
 /// Space around the mesh, and between mesh and bar.
@@ -108,34 +107,15 @@ fn short(x: f64) -> String {
 impl Scene {
     /// Lays a mesh out, coloured by the scaled Jacobian or by `shade`.
     pub(super) fn new(out: &MeshView<'_>, shade: Option<&Shade<'_>>) -> Result<Self, IoError> {
+        check(out, shade)?;
         if !out.heights.is_empty() {
             return super::space::scene(out, shade);
         }
         let (mesh, sets) = (out.mesh, out.sets);
         let n = mesh.points.len();
-        let bad = |m: &str| IoError::unsupported(FORMAT, Place::Whole, m);
-        let mut ids = mesh.quads.iter().flatten().chain(mesh.triangles.iter().flatten());
-        if ids.any(|v| v.index() >= n) {
-            return Err(bad("an element names a vertex that is not there"));
-        }
-        let (lo, hi) =
-            csalf_geom::polygon::bounds(mesh.points.iter().copied()).unwrap_or((Point2::ZERO, Point2::ONE));
-        let extent = (hi - lo).max_element();
-        if !extent.is_finite() || !mesh.points.iter().all(|p| p.is_finite()) {
-            return Err(bad("a vertex is not at a finite place"));
-        }
-        let many = mesh.quads.len() > MANY_QUADS;
-        let side = if many { 1600.0 } else { 1000.0 };
-        let scale = if extent > 0.0 { side / extent } else { 1.0 };
-        let size = (hi - lo) * scale;
-        let height = size.y.max(MIN_HEIGHT);
-        let top = MARGIN + 0.5 * (height - size.y);
-        let pixel = |p: Point2| [MARGIN + (p.x - lo.x) * scale, top + (hi.y - p.y) * scale];
-        let at = |v: csalf_geom::VertexId| pixel(mesh.points[v.index()]);
+        let layout = Layout::new(mesh.points.iter().copied(), mesh.quads.len())?;
+        let at = |v: VertexId| layout.pixel(mesh.points[v.index()]);
 
-        if shade.is_some_and(|s| s.values.len() != mesh.quads.len() + mesh.triangles.len()) {
-            return Err(bad("the colours need one value per element"));
-        }
         let mut range = vec![0u8; mesh.quads.len()];
         for (k, (_, quads)) in sets.quads.iter().enumerate() {
             for q in quads.iter().filter(|q| q.index() < mesh.quads.len()) {
@@ -151,7 +131,7 @@ impl Scene {
                 None => bin(scaled_jacobian::value(&p), r.into()),
             };
             bins[bin].push(q.map(at));
-            drawn += p[0].distance(p[1]) * scale;
+            drawn += p[0].distance(p[1]) * layout.scale;
         }
         for (k, t) in mesh.triangles.iter().enumerate() {
             let bin = shade.map_or(1 + 3 * STEPS, |s| bin_of(s.values[mesh.quads.len() + k], s));
@@ -171,21 +151,15 @@ impl Scene {
         let edges = sets.edges.iter().flat_map(|(_, e)| e);
         outline.extend(edges.filter(|e| e.iter().all(|v| v.index() < n)).map(|e| e.map(at)));
         let mean = drawn / mesh.quads.len().max(1) as f64;
-        let dots = if many { Vec::new() } else { topology.irregular().into_iter().map(at).collect() };
+        let dots = if layout.many { Vec::new() } else { topology.irregular().into_iter().map(at).collect() };
 
-        let mut scene = Self {
-            width: MARGIN + size.x + MARGIN + BAR_WIDTH,
-            height: height + 2.0 * MARGIN,
-            fills,
-            line_width: if mean < 2.5 { 0.0 } else { (mean / 20.0).clamp(0.2, 0.8) },
+        Ok(Self {
             outline,
-            outline_width: if many { 1.0 } else { 1.6 },
+            outline_width: if layout.many { 1.0 } else { 1.6 },
             dots,
             dot_radius: (mean / 6.0).clamp(1.0, 3.5),
-            ..Self::default()
-        };
-        scene.add_bar(MARGIN + size.x + 0.75 * MARGIN, height, shade);
-        Ok(scene)
+            ..layout.scene(fills, mean, shade)
+        })
     }
 
     pub(super) fn add_bar(&mut self, x: f64, height: f64, shade: Option<&Shade<'_>>) {

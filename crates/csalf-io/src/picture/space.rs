@@ -15,12 +15,11 @@
 //! Elements of very different sizes that overlap in the picture may be drawn in the wrong order: it is a picture, not a
 //! proof. Cost O(n log n).
 
-use super::scene::{
-    BAR_WIDTH, Fill, MANY_QUADS, MARGIN, MIN_HEIGHT, Rgb, STEPS, Scene, bin, bin_of, colour_of_bin,
-};
-use super::{FORMAT, Shade};
-use crate::{IoError, MeshView, Place};
-use csalf_geom::VertexId;
+use super::Shade;
+use super::layout::Layout;
+use super::scene::{Fill, Rgb, STEPS, Scene, bin, bin_of, colour_of_bin};
+use crate::{IoError, MeshView};
+use csalf_geom::{Point2, VertexId};
 use csalf_mesh::quality::metrics;
 use glam::DVec3;
 
@@ -33,40 +32,18 @@ const DARK: f64 = 0.62;
 /// Steps of brightness: more make more fills.
 const LEVELS: f64 = 12.0;
 
+/// The scene of a mesh that is checked.
 pub(super) fn scene(out: &MeshView<'_>, shade: Option<&Shade<'_>>) -> Result<Scene, IoError> {
     let (mesh, sets) = (out.mesh, out.sets);
-    let n = mesh.points.len();
-    let bad = |m: &str| IoError::unsupported(FORMAT, Place::Whole, m);
     let elements: Vec<&[_]> =
         mesh.quads.iter().map(|q| &q[..]).chain(mesh.triangles.iter().map(|t| &t[..])).collect();
-    if elements.iter().any(|e| e.iter().any(|v| v.index() >= n)) {
-        return Err(bad("an element names a vertex that is not there"));
-    }
-    if shade.is_some_and(|s| s.values.len() != elements.len()) {
-        return Err(bad("the colours need one value per element"));
-    }
     let points: Vec<DVec3> = out.xyz().map(DVec3::from_array).collect();
-    if !points.iter().all(|p| p.is_finite()) {
-        return Err(bad("a vertex is not at a finite place"));
-    }
     let eye = DVec3::from_array(EYE).normalize();
     let right = DVec3::Z.cross(eye).normalize();
     let up = eye.cross(right);
-    let seen: Vec<[f64; 2]> = points.iter().map(|p| [p.dot(right), p.dot(up)]).collect();
-    let (mut lo, mut hi) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-    for p in &seen {
-        for k in 0..2 {
-            (lo[k], hi[k]) = (lo[k].min(p[k]), hi[k].max(p[k]));
-        }
-    }
-    let many = elements.len() > MANY_QUADS;
-    let side = if many { 1600.0 } else { 1000.0 };
-    let extent = (hi[0] - lo[0]).max(hi[1] - lo[1]);
-    let scale = if extent > 0.0 { side / extent } else { 1.0 };
-    let size = [(hi[0] - lo[0]) * scale, (hi[1] - lo[1]) * scale];
-    let height = size[1].max(MIN_HEIGHT);
-    let top = MARGIN + 0.5 * (height - size[1]);
-    let at = |v: usize| [MARGIN + (seen[v][0] - lo[0]) * scale, top + (hi[1] - seen[v][1]) * scale];
+    let seen: Vec<Point2> = points.iter().map(|p| Point2::new(p.dot(right), p.dot(up))).collect();
+    let layout = Layout::new(seen.iter().copied(), elements.len())?;
+    let at = |v: usize| layout.pixel(seen[v]);
 
     let quality = metrics::in_space(mesh, out.heights, "scaled_jacobian").unwrap_or_default();
     let mut range = vec![0usize; elements.len()];
@@ -111,16 +88,8 @@ pub(super) fn scene(out: &MeshView<'_>, shade: Option<&Shade<'_>>) -> Result<Sce
     }
     let n_drawn = fills.iter().map(|f| f.polygons.len()).sum::<usize>();
     let mean = drawn / (4 * n_drawn.max(1)) as f64;
-    let mut scene = Scene {
-        width: MARGIN + size[0] + MARGIN + BAR_WIDTH,
-        height: height + 2.0 * MARGIN,
-        fills,
-        line_width: if mean < 2.5 { 0.0 } else { (mean / 20.0).clamp(0.2, 0.8) },
-        outline_width: if many || mean < 4.0 { 0.8 } else { 1.4 },
-        ..Scene::default()
-    };
-    scene.add_bar(MARGIN + size[0] + 0.75 * MARGIN, height, shade);
-    Ok(scene)
+    let outline_width = if layout.many || mean < 4.0 { 0.8 } else { 1.4 };
+    Ok(Scene { outline_width, ..layout.scene(fills, mean, shade) })
 }
 
 /// The sides of edge sets, and those that do not lie between two elements; sorted. And whether all lie between two: a closed

@@ -139,7 +139,11 @@ fn read_piece(
         let mut c = [0u64; 4];
         let n = match (kind, corners.len()) {
             (1, 1) | (3 | 4, 2) | (5 | 7, 3) | (7 | 9, 4) | (8, 4) => corners.len(),
-            (1 | 3 | 4 | 5 | 8 | 9, n) => {
+            // Of second order, corners first.
+            (21, 3) => 2,
+            (22, 6) | (34, 7) => 3,
+            (23, 8) | (28, 9) => 4,
+            (1 | 3 | 4 | 5 | 8 | 9 | 21 | 22 | 23 | 28, n) => {
                 return Err(bad(format!("cell {i} of type {kind} has {n} corners")));
             }
             _ => {
@@ -147,10 +151,16 @@ fn read_piece(
                 return Err(IoError::unsupported(FORMAT, Place::Path(format!("cell {i}")), message));
             }
         };
-        for (to, &from) in c.iter_mut().zip(corners) {
-            *to = u64::try_from(from).ok().and_then(|v| v.checked_add(first)).ok_or_else(|| {
+        let number = |from: i64| {
+            u64::try_from(from).ok().and_then(|v| v.checked_add(first)).ok_or_else(|| {
                 IoError::syntax(FORMAT, Place::Path(format!("cell {i}")), format!("vertex number {from}"))
-            })?;
+            })
+        };
+        for (to, &from) in c[..n].iter_mut().zip(corners) {
+            *to = number(from)?;
+        }
+        for &from in &corners[n..] {
+            out.middles(&[number(from)?]);
         }
         if kind == 8 {
             c.swap(2, 3); // A pixel counts its corners by rows.
