@@ -148,7 +148,9 @@ def test_the_lock_of_the_interpreter_is_free_while_meshing() -> None:
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
 def test_ctrl_c() -> None:
     program = """
-        import sys, numpy as np, csalf
+        import signal, sys, numpy as np, csalf
+        # Of jobs in the background the shell has them ignore it.
+        signal.signal(signal.SIGINT, signal.default_int_handler)
         n = 3000
         t = np.linspace(0, 1, n, endpoint=False)
         o = np.zeros(n)
