@@ -135,12 +135,39 @@ pub(crate) fn face_surface(
     match surface {
         Some(s) => Some((s, true)),
         None => {
-            let n = face.to_nurbs()?;
-            let points: Vec<DVec3> = n.control_points.iter().flatten().map(|p| vec3(*p)).collect();
-            let weights: Vec<f64> = n.weights.iter().flatten().copied().collect();
-            let surface =
-                NurbsSurface::new([n.degree_u, n.degree_v], [n.knots_u, n.knots_v], &points, &weights)?;
+            let surface = match face.to_nurbs() {
+                Some(n) => nurbs(n)?,
+                None => offset(&face.surface())?,
+            };
             Some(Surface::Nurbs(surface).in_order())
         }
     }
+}
+
+fn nurbs(n: step_io::scene::NurbsSurface) -> Option<NurbsSurface> {
+    let points: Vec<DVec3> = n.control_points.iter().flatten().map(|p| vec3(*p)).collect();
+    let weights: Vec<f64> = n.weights.iter().flatten().copied().collect();
+    NurbsSurface::new([n.degree_u, n.degree_v], [n.knots_u, n.knots_v], &points, &weights)
+}
+
+/// An offset of a free-form surface, fitted; those of planes and quadrics are read as what they are.
+fn offset(surface: &step_io::scene::Surface<'_>) -> Option<NurbsSurface> {
+    /// How far the fit may be off, in extents of the surface: files carry six to eight digits.
+    const FIT: f64 = 1e-7;
+    /// Offsets of offsets of ...
+    const DEPTH: usize = 4;
+    let mut basis = *surface;
+    let mut distance = 0.0;
+    for _ in 0..DEPTH {
+        let SurfaceKind::Offset(o) = basis.kind() else { break };
+        distance += o.distance;
+        basis = basis.basis_surface()?;
+    }
+    let of = nurbs(basis.to_nurbs()?)?;
+    let at = |p: &glam::DVec4| p.truncate() / p.w;
+    let (lo, hi) = of
+        .points
+        .iter()
+        .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), p| (lo.min(at(p)), hi.max(at(p))));
+    of.offset(distance, FIT * (lo.distance(hi) + distance.abs()))
 }

@@ -1,9 +1,13 @@
 //! STEP files to models and meshes; broken files to errors.
 
-use csalf_model::brep::{HoleShape, loop_features};
+use csalf_model::brep::{FaceShape, HoleShape, loop_features};
+use csalf_model::geometry::Surface;
 use csalf_model::{LayerSpec, ModelOptions, SizeRules, check_and_snap, mesh_model};
 use csalf_step::{StepError, read};
+use glam::DVec2;
 
+/// A face on an OFFSET_SURFACE of a B-spline surface, distance 0.5.
+const OFFSET: &str = include_str!("data/offset.step");
 const BLOCK: &str = include_str!("data/block.step");
 
 #[test]
@@ -28,6 +32,40 @@ fn a_block_with_a_hole() {
     assert!(mesh.layers.len() == 2 && mesh.layers.iter().all(|l| l.made == 2), "{:?}", mesh.layers);
     let names: Vec<&str> = mesh.sets.quads.iter().map(|s| s.0.as_str()).collect();
     assert!(["top", "bore", "hole1_layer1", "hole2_layer2"].iter().all(|n| names.contains(n)), "{names:?}");
+}
+
+/// Offsets of free-form surfaces are fitted: as far from the surface as the file says, along its normal.
+#[test]
+fn an_offset_surface_keeps_its_distance() {
+    let surface = |text: &str| {
+        let model = read(text.as_bytes()).expect("a model");
+        assert!(model.notes.is_empty(), "{:?}", model.notes);
+        let FaceShape::Surface(Surface::Nurbs(n), forward) = model.faces[0].shape.clone() else {
+            panic!("free form")
+        };
+        (n, forward)
+    };
+    let basis = OFFSET.replace("OFFSET_SURFACE('',#40,0.5,.F.)", "OFFSET_SURFACE('',#40,0.,.F.)");
+    assert_ne!(basis, OFFSET);
+    let ((offset, a), (basis, b)) = (surface(OFFSET), surface(&basis));
+    assert_eq!(a, b);
+    let [u, v] = [0, 1].map(|k| basis.knots[k].range());
+    for i in 0..=20 {
+        for j in 0..=20 {
+            let uv = DVec2::new(
+                u[0] + (u[1] - u[0]) * f64::from(i) / 20.0,
+                v[0] + (v[1] - v[0]) * f64::from(j) / 20.0,
+            );
+            let (s, p) = (basis.eval(uv), offset.eval(uv).point);
+            let wanted = s.point + s.du.cross(s.dv).normalize() * 0.5;
+            assert!(p.distance(wanted) < 2e-6, "{uv}: {p} and {wanted}");
+        }
+    }
+    let mut model = read(OFFSET.as_bytes()).expect("a model");
+    let report = check_and_snap(&mut model);
+    assert!(report.messages.is_empty(), "{:?}", report.messages);
+    let mesh = mesh_model(&model, &ModelOptions::default());
+    assert!(mesh.failures.is_empty() && mesh.mesh.quads.len() > 100, "{:?}", mesh.failures);
 }
 
 #[test]

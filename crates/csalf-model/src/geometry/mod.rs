@@ -4,6 +4,7 @@ mod curve;
 mod frame;
 mod invert;
 mod nurbs;
+mod offset;
 mod surface;
 #[cfg(test)]
 mod tests;

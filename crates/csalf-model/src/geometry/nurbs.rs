@@ -65,6 +65,13 @@ impl Knots {
         i
     }
 
+    /// The basis functions that are not zero at `t` (within the range): which, and their values.
+    pub(super) fn values(&self, t: f64) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let span = self.span(t);
+        let [values, ..] = self.basis::<MANY>(span, t);
+        (0..=self.degree).map(move |j| (span + j - self.degree, values[j]))
+    }
+
     /// Basis functions of the span at `t` and their first two derivatives: `[order][0..=degree]`. N is larger than the
     /// degree.
     fn basis<const N: usize>(&self, span: usize, t: f64) -> [[f64; N]; 3] {

@@ -62,6 +62,29 @@ fn a_rational_quarter_is_a_circle() {
     assert!(at.normal().dot(at.point.with_z(0.0)) > 0.999);
 }
 
+/// Of a quarter cylinder, in and out; and none of a surface without normals.
+#[test]
+fn an_offset_of_a_quarter_cylinder_is_another() {
+    for distance in [0.25, -0.4] {
+        let s = quarter().offset(distance, 1e-8).expect("a fit");
+        let sign = quarter().eval(DVec2::splat(0.5));
+        let out = sign.du.cross(sign.dv).dot(sign.point.truncate().extend(0.0)).signum();
+        for k in 0..=50 {
+            let p = s.eval(DVec2::new(f64::from(k) / 50.0, 0.37)).point;
+            assert!((p.truncate().length() - (1.0 + out * distance)).abs() < 1e-7, "{p}");
+            assert!((p.z - 0.74).abs() < 1e-7);
+        }
+    }
+    let flat = vec![DVec3::ZERO; 6];
+    let nothing = NurbsSurface::new(
+        [2, 1],
+        [vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0], vec![0.0, 0.0, 1.0, 1.0]],
+        &flat,
+        &[1.0; 6],
+    );
+    assert!(nothing.expect("a point").offset(1.0, 1e-8).is_none(), "a point has no normal");
+}
+
 #[test]
 fn bad_knots_are_refused() {
     let p = [DVec3::ZERO, DVec3::X, DVec3::Y];
