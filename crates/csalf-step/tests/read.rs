@@ -45,7 +45,8 @@ fn an_offset_surface_keeps_its_distance() {
         };
         (n, forward)
     };
-    let basis = OFFSET.replace("OFFSET_SURFACE('',#40,0.5,.F.)", "OFFSET_SURFACE('',#40,0.,.F.)");
+    // The same face on the surface itself.
+    let basis = OFFSET.replace("ADVANCED_FACE('',(#18),#39,", "ADVANCED_FACE('',(#18),#40,");
     assert_ne!(basis, OFFSET);
     let ((offset, a), (basis, b)) = (surface(OFFSET), surface(&basis));
     assert_eq!(a, b);
