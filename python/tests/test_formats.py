@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 import csalf
+
+BLOCK = Path(__file__).parents[2] / "crates/csalf-step/tests/data/block.step"
 
 FORMATS = [name for name, _ in csalf._csalf.formats()]
 
@@ -242,6 +246,39 @@ def test_exodus(plate: csalf.Mesh, tmp_path) -> None:
     assert bolt.GetNumberOfCells() == 16
     rim = np.array([bolt.GetPoint(k)[:2] for k in range(bolt.GetNumberOfPoints())])
     assert np.hypot(*(rim - (3, 4)).T) == pytest.approx(1)
+
+
+@pytest.mark.skipif(not BLOCK.exists(), reason="not in a checkout")
+@pytest.mark.parametrize("order, kind", [(1, b"SHELL4"), (2, b"SHELL8")])
+def test_exodus_in_space(tmp_path, order: int, kind: bytes) -> None:
+    pytest.importorskip("vtk", exc_type=(ImportError, OSError))
+    from vtkmodules.vtkIOExodus import vtkExodusIIReader
+
+    netcdf = pytest.importorskip("scipy.io")
+    block = csalf.mesh_model(BLOCK, size=5)
+    block.write(tmp_path / "block.exo", order=order)
+    with netcdf.netcdf_file(tmp_path / "block.exo", mmap=False) as f:
+        assert f.variables["connect1"].elem_type == kind
+        names = [bytes(r).rstrip(b"\0").decode() for r in f.variables["ss_names"][:]]
+        assert names == list(block.edge_sets)
+        for k, name in enumerate(names):
+            elements, sides = f.variables[f"elem_ss{k + 1}"][:] - 1, f.variables[f"side_ss{k + 1}"][:] - 3
+            ends = np.stack([block.quads[elements, sides], block.quads[elements, (sides + 1) % 4]], 1)
+            assert np.array_equal(np.sort(ends), np.sort(block.edge_sets[name]))
+    reader = vtkExodusIIReader()
+    reader.SetFileName(str(tmp_path / "block.exo"))
+    reader.UpdateInformation()
+    for k in range(reader.GetNumberOfObjects(reader.SIDE_SET)):
+        reader.SetObjectStatus(reader.SIDE_SET, k, 1)
+    reader.Update()
+    shells = reader.GetOutput().GetBlock(0).GetBlock(0)
+    assert shells.GetNumberOfCells() == len(block.quads)
+    assert shells.GetCellType(0) == (9 if order == 1 else 23)
+    points = np.array([shells.GetPoint(k) for k in range(shells.GetNumberOfPoints())])
+    assert np.array_equal(points.max(axis=0), block.points.max(axis=0))
+    sides = reader.GetOutput().GetBlock(4)
+    for k, (name, edges) in enumerate(block.edge_sets.items()):
+        assert sides.GetBlock(k).GetNumberOfCells() == len(edges), name
 
 
 def test_exodus_by_netcdf(plate: csalf.Mesh, ring: csalf.Mesh, tmp_path) -> None:

@@ -1,13 +1,12 @@
 //! Exodus II (`.exo`, `.e`), written: one block of quads and one of triangles, node sets, side sets (of edge sets) and
 //! element sets (of quad sets), all by name; classic netCDF with 64-bit offsets. With mid-side nodes the blocks are
-//! QUAD8 or QUAD9 and TRI6. Source: L. A. Schoof, V. R. Yarberry, *EXODUS II: A Finite Element Data Model*,
+//! QUAD8 or QUAD9 and TRI6; in space they are shells, SHELL4 to SHELL9, whose sides 1 and 2 are their faces. Source: L. A. Schoof, V. R. Yarberry, *EXODUS II: A Finite Element Data Model*,
 //! SAND92-2137 (1994), and its later additions.
 
 use crate::netcdf::{File, Values};
 use crate::sides::Sides;
 use crate::text::one_line;
 use crate::{IoError, MeshView, MidNodes, Place, inp};
-use csalf_geom::Point2;
 use std::io::Write;
 
 const FORMAT: &str = "Exodus II";
@@ -21,8 +20,10 @@ const NAME: usize = 33;
 /// [`IoError::Write`]; [`IoError::Unsupported`] of more than 2³¹ nodes or corners.
 pub fn write(out: &MeshView<'_>, mid: Option<&MidNodes>, w: &mut dyn Write) -> Result<(), IoError> {
     let mesh = out.mesh;
-    let middles = mid.into_iter().flat_map(MidNodes::points).map(|p| p.truncate());
-    let points: Vec<Point2> = mesh.points.iter().copied().chain(middles).collect();
+    let points: Vec<[f64; 3]> = out.all_xyz(mid).collect();
+    let in_space = !out.heights.is_empty();
+    // Of a shell, sides 1 and 2 are its faces.
+    let first_side = if in_space { 2 } else { 0 };
     let (nq, nt) = (mesh.quads.len(), mesh.triangles.len());
     if i32::try_from(9 * nq + 6 * nt).is_err() || i32::try_from(points.len()).is_err() {
         return Err(IoError::unsupported(FORMAT, Place::Whole, "the mesh needs more than 31 bits"));
@@ -36,17 +37,21 @@ pub fn write(out: &MeshView<'_>, mid: Option<&MidNodes>, w: &mut dyn Write) -> R
     f.attribute("title", Values::Text(if title.is_empty() { b"mesh".to_vec() } else { title.into_bytes() }));
     let name = f.dimension("len_name", NAME);
     let time = f.dimension("time_step", 0);
-    let axes = f.dimension("num_dim", 2);
+    let axes = f.dimension("num_dim", if in_space { 3 } else { 2 });
     let n_nodes = f.dimension("num_nodes", points.len());
     f.dimension("num_elem", nq + nt);
 
     let ids = |v: &[csalf_geom::VertexId]| v.iter().map(|v| v.0 as i32 + 1).collect::<Vec<i32>>();
     let mut blocks: Vec<(&str, &str, usize, Vec<i32>)> = Vec::new();
     if nq > 0 {
-        let (kind, k) = match mid {
-            None => ("QUAD4", 4),
-            Some(m) if m.has_centres() => ("QUAD9", 9),
-            Some(_) => ("QUAD8", 8),
+        let k = mid.map_or(4, |m| if m.has_centres() { 9 } else { 8 });
+        let kind = match (k, in_space) {
+            (4, false) => "QUAD4",
+            (8, false) => "QUAD8",
+            (_, false) => "QUAD9",
+            (4, true) => "SHELL4",
+            (8, true) => "SHELL8",
+            (_, true) => "SHELL9",
         };
         let nodes = mesh
             .quads
@@ -56,16 +61,25 @@ pub fn write(out: &MeshView<'_>, mid: Option<&MidNodes>, w: &mut dyn Write) -> R
         blocks.push(("quads", kind, k, nodes.collect()));
     }
     if nt > 0 {
-        let (kind, k) = if mid.is_some() { ("TRI6", 6) } else { ("TRI3", 3) };
+        let (kind, k) = match (mid.is_some(), in_space) {
+            (false, false) => ("TRI3", 3),
+            (true, false) => ("TRI6", 6),
+            (false, true) => ("TRISHELL3", 3),
+            (true, true) => ("TRISHELL6", 6),
+        };
         let nodes = mesh.triangles.iter().flat_map(|t| mid.map_or_else(|| ids(t), |m| ids(&m.triangle(t))));
         blocks.push(("triangles", kind, k, nodes.collect()));
     }
     let n_blocks = f.dimension("num_el_blk", blocks.len());
     f.variable("time_whole", &[time], None, Values::Double(Vec::new()));
     list(&mut f, "eb", &blocks.iter().map(|b| b.0).collect::<Vec<_>>(), n_blocks, name);
-    f.variable("coordx", &[n_nodes], None, Values::Double(points.iter().map(|p| p.x).collect()));
-    f.variable("coordy", &[n_nodes], None, Values::Double(points.iter().map(|p| p.y).collect()));
-    f.variable("coor_names", &[axes, name], None, Values::Text([padded("x"), padded("y")].concat()));
+    let along = &["x", "y", "z"][..if in_space { 3 } else { 2 }];
+    for (k, axis) in along.iter().enumerate() {
+        let values = points.iter().map(|p| p[k]).collect();
+        f.variable(format!("coord{axis}"), &[n_nodes], None, Values::Double(values));
+    }
+    let names_of_axes = along.iter().flat_map(|a| padded(a)).collect();
+    f.variable("coor_names", &[axes, name], None, Values::Text(names_of_axes));
     for (b, (_, kind, k, nodes)) in blocks.into_iter().enumerate() {
         let rows = f.dimension(format!("num_el_in_blk{}", b + 1), nodes.len() / k);
         let columns = f.dimension(format!("num_nod_per_el{}", b + 1), k);
@@ -100,7 +114,7 @@ pub fn write(out: &MeshView<'_>, mid: Option<&MidNodes>, w: &mut dyn Write) -> R
             Values::Int(sides.iter().map(|s| g(s) as i32 + 1).collect())
         };
         f.variable(format!("elem_ss{k}"), &[n], None, ints(&|s| s.element));
-        f.variable(format!("side_ss{k}"), &[n], None, ints(&|s| s.side));
+        f.variable(format!("side_ss{k}"), &[n], None, ints(&|s| s.side + first_side));
     });
     let quads: Vec<(String, Vec<u32>)> =
         out.sets.quads.iter().map(|(n, q)| (n.clone(), q.iter().map(|q| q.0).collect())).collect();

@@ -34,7 +34,7 @@ pub fn write_mesh_with(
     how: &WriteOptions<'_>,
     w: &mut dyn Write,
 ) -> Result<(), IoError> {
-    let flat = [MeshFormat::Exodus, MeshFormat::Su2, MeshFormat::Foam, MeshFormat::Ism];
+    let flat = [MeshFormat::Su2, MeshFormat::Foam, MeshFormat::Ism];
     if !out.heights.is_empty() && flat.contains(&format) {
         let message = "meshes in space are not written in this format";
         return Err(IoError::unsupported(format.name(), Place::Whole, message));
