@@ -26,8 +26,9 @@ pub(crate) struct Attempt {
     pub(crate) variant: u32,
 }
 
-/// Small meshes of mediocre quality are made again in this many variants; the best is kept. Of a symmetric outline, where
-/// many splits are equally good, one choice can end at a mean of 0.90 and another at 0.95.
+/// Small meshes of mediocre quality are made again in up to so many variants, until one is not mediocre; the best is
+/// kept. Of a symmetric outline, where many splits are equally good, one choice can end at a mean of 0.90 and another
+/// at 0.95.
 const VARIANTS: u32 = 2;
 /// What is small (quads), and mediocre: a mean below the first, a minimum above the second (below it the outline forces
 /// poor quads, and the work is in vain).
@@ -55,6 +56,9 @@ fn best_variant(job: &Job, attempt: &Attempt, watch: &dyn Watch) -> Result<Meshe
     }
     let n_made = |m: &Meshed| m.report.loops.iter().map(|l| l.made).sum::<usize>();
     for variant in 1..=VARIANTS {
+        if first.0 >= mean {
+            break;
+        }
         let other = match mesh_once(job, &Attempt { variant, ..attempt.clone() }, watch) {
             Ok(other) => other,
             // There is a mesh, though this was none.
