@@ -157,8 +157,9 @@ fn size_field(
         job.domain.points.iter().filter_map(|p| p.size.map(|h| (p.xy, h))).collect();
     let extras = Extras { hard_points: &hard, gradation: options.gradation };
     let field = csalf_sizemap::build(&job.size, &loops, &extras, arrangement.tolerance)?;
-    match job.size {
-        SizeSpec::Boundary => Ok(field),
+    // Sizes of the boundary itself suit it, unless fine parts of it lower them on others.
+    match (&job.size, options.gradation) {
+        (SizeSpec::Boundary, None) => Ok(field),
         _ => Ok(csalf_sizemap::near_coarse(field, &loops)?),
     }
 }

@@ -7,7 +7,7 @@
 //!        │ │ │ │ │ │ │ │                 b the field of the boundary nodes alone, so that finer nodes close by count
 //! ```
 //!
-//! Only for fields that do not come from the boundary itself. Source: none; the numbers are from the closest templates
+//! Only for fields that do not come from the boundary itself, or whose growth from it is bounded. Source: none; the numbers are from the closest templates
 //! that take one quad to three (handbook 5.4), two rows of which need about the length of the long side.
 
 use crate::build::of_boundary;
