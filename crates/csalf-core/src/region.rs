@@ -12,7 +12,7 @@ use csalf_geom::Point2;
 use csalf_geom::arrangement::{Arrangement, Region};
 use csalf_mesh::NodeFlags;
 use csalf_pave::{LayerSpec, LayerTask, Layers, PavingRules, Walk, WalkKind, pave_layers};
-use csalf_sizemap::{Background, Hint, SizeField, graded};
+use csalf_sizemap::{Background, Hint, NearCoarse, SizeField, graded};
 use csalf_subdiv::fallback::{ear, without};
 use csalf_subdiv::{Walks, bridge};
 
@@ -119,6 +119,7 @@ pub(crate) fn mesh_region(
     let mut flags = vec![NodeFlags::GEOMETRY; points.len()];
 
     let mut handed = None;
+    let mut new_fronts = false;
     if let Some(rules) = layer_rules {
         let which: Vec<usize> = global_walks.iter().map(|w| curves.of_walk(w)).collect();
         let layers = lay(&walks, &which, &points, curves, rules, size, arrangement);
@@ -148,8 +149,11 @@ pub(crate) fn mesh_region(
         handed = (rules.rules == PavingRules::Corrected)
             .then(|| hand_over(size, &points, &layers.ring_sizes, &walks))
             .flatten();
+        new_fronts = rules.rules == PavingRules::Corrected && !out.quad_layer.is_empty();
     }
     let size = handed.as_ref().map_or(size, |b| b as &dyn SizeField);
+    let roomy = new_fronts.then(|| room_beside(size, &points, &walks)).flatten();
+    let size = roomy.as_ref().map_or(size, |b| b as &dyn SizeField);
 
     let internal = |stage, detail: String| MeshError::Internal { stage, detail };
     let input = Walks { walks: &walks, points: &points, flags: &flags };
@@ -208,6 +212,21 @@ fn hand_over(
     let loops: Vec<Vec<u32>> =
         fronts.iter().filter(|f| f.len() > 2).map(|f| f.iter().map(|&v| name(v)).collect()).collect();
     graded(size, &at, &values, &loops, HAND_OVER).ok()
+}
+
+/// Larger sizes beside segments of the fronts that are long for the field: thick layers leave such, and where they end
+/// before a hole their sides are some.
+fn room_beside<'a>(
+    size: &'a dyn SizeField,
+    points: &[Point2],
+    fronts: &[Vec<u32>],
+) -> Option<NearCoarse<&'a dyn SizeField>> {
+    let loops: Vec<Vec<Point2>> = fronts
+        .iter()
+        .filter(|f| f.len() > 2)
+        .map(|f| f.iter().map(|&v| points[v as usize]).collect())
+        .collect();
+    NearCoarse::new(size, &loops).ok().flatten()
 }
 
 /// Algorithm I on the walks of one region.

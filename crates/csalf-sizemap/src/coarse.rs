@@ -27,8 +27,8 @@ const SLOPE: f64 = 0.4;
 
 /// A field with room for coarse segments.
 #[derive(Debug)]
-pub struct NearCoarse {
-    base: Arc<dyn SizeField>,
+pub struct NearCoarse<B> {
+    base: B,
     boundary: Background,
     segments: RTree<GeomWithData<Rectangle<[f64; 2]>, [Point2; 2]>>,
     range: (f64, f64),
@@ -39,30 +39,45 @@ pub struct NearCoarse {
 /// # Errors
 /// [`SizeError`] of bad loops.
 pub fn near_coarse(base: Arc<dyn SizeField>, loops: &[Vec<Point2>]) -> Result<Arc<dyn SizeField>, SizeError> {
-    let mut hint = Hint::default();
-    let mut boxes = Vec::new();
-    let (low, mut high) = base.range();
-    for l in loops {
-        for (i, &a) in l.iter().enumerate() {
-            let b = l[(i + 1) % l.len()];
-            let length = a.distance(b);
-            // The smallest of a few samples: a fine spot may lie on a part of the segment.
-            let h =
-                [0.1, 0.5, 0.9].map(|t| base.h(a.lerp(b, t), &mut hint)).into_iter().fold(f64::MAX, f64::min);
-            if length > COARSE * h {
-                let reach = Point2::splat(SHARE / SLOPE * length);
-                let corners =
-                    Rectangle::from_corners((a.min(b) - reach).to_array(), (a.max(b) + reach).to_array());
-                boxes.push(GeomWithData::new(corners, [a, b]));
-                high = high.max(SHARE * length);
+    Ok(match NearCoarse::new(Arc::clone(&base), loops)? {
+        Some(field) => Arc::new(field),
+        None => base,
+    })
+}
+
+impl<B: SizeField> NearCoarse<B> {
+    /// `None` if no segment of the loops is coarse in `base`. O(n log n).
+    ///
+    /// # Errors
+    /// [`SizeError`] of bad loops.
+    pub fn new(base: B, loops: &[Vec<Point2>]) -> Result<Option<Self>, SizeError> {
+        let mut hint = Hint::default();
+        let mut boxes = Vec::new();
+        let (low, mut high) = base.range();
+        for l in loops {
+            for (i, &a) in l.iter().enumerate() {
+                let b = l[(i + 1) % l.len()];
+                let length = a.distance(b);
+                // The smallest of a few samples: a fine spot may lie on a part of the segment.
+                let h = [0.1, 0.5, 0.9]
+                    .map(|t| base.h(a.lerp(b, t), &mut hint))
+                    .into_iter()
+                    .fold(f64::MAX, f64::min);
+                if length > COARSE * h {
+                    let reach = Point2::splat(SHARE / SLOPE * length);
+                    let corners =
+                        Rectangle::from_corners((a.min(b) - reach).to_array(), (a.max(b) + reach).to_array());
+                    boxes.push(GeomWithData::new(corners, [a, b]));
+                    high = high.max(SHARE * length);
+                }
             }
         }
+        if boxes.is_empty() {
+            return Ok(None);
+        }
+        let boundary = of_boundary(loops)?;
+        Ok(Some(Self { base, boundary, segments: RTree::bulk_load(boxes), range: (low, high) }))
     }
-    if boxes.is_empty() {
-        return Ok(base);
-    }
-    let boundary = of_boundary(loops)?;
-    Ok(Arc::new(NearCoarse { base, boundary, segments: RTree::bulk_load(boxes), range: (low, high) }))
 }
 
 /// Distance from `p` to the segment from `a` to `b`.
@@ -71,7 +86,7 @@ fn distance(p: Point2, a: Point2, b: Point2) -> f64 {
     p.distance(a.lerp(b, t))
 }
 
-impl SizeField for NearCoarse {
+impl<B: SizeField> SizeField for NearCoarse<B> {
     fn h(&self, p: Point2, hint: &mut Hint) -> f64 {
         let h = self.base.h(p, hint);
         if !p.is_finite() {

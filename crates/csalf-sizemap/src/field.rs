@@ -22,3 +22,31 @@ pub trait SizeField: Send + Sync + std::fmt::Debug {
     /// Smallest and largest value that the field takes.
     fn range(&self) -> (f64, f64);
 }
+
+impl<T: SizeField + ?Sized> SizeField for &T {
+    fn h(&self, p: Point2, hint: &mut Hint) -> f64 {
+        (**self).h(p, hint)
+    }
+
+    fn constant(&self) -> Option<f64> {
+        (**self).constant()
+    }
+
+    fn range(&self) -> (f64, f64) {
+        (**self).range()
+    }
+}
+
+impl<T: SizeField + ?Sized> SizeField for std::sync::Arc<T> {
+    fn h(&self, p: Point2, hint: &mut Hint) -> f64 {
+        (**self).h(p, hint)
+    }
+
+    fn constant(&self) -> Option<f64> {
+        (**self).constant()
+    }
+
+    fn range(&self) -> (f64, f64) {
+        (**self).range()
+    }
+}

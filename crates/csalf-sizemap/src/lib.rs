@@ -19,7 +19,7 @@ pub mod uniform;
 
 pub use background::Background;
 pub use build::{Extras, build};
-pub use coarse::near_coarse;
+pub use coarse::{NearCoarse, near_coarse};
 pub use count::expected_quads;
 pub use discretize::{CurvatureLimit, DiscretizeOptions, discretize};
 pub use error::SizeError;
