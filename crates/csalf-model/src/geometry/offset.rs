@@ -13,7 +13,6 @@
 
 use super::nurbs::{Knots, NurbsSurface};
 use glam::{DVec2, DVec3, DVec4};
-use nalgebra::DMatrix;
 
 /// Degree of the splines.
 const DEGREE: usize = 3;
@@ -34,15 +33,54 @@ fn knots(of: &Knots, pieces: usize) -> Option<(Knots, Vec<f64>)> {
     Some((Knots::new(DEGREE, t, n)?, greville))
 }
 
-/// The matrix of basis functions (columns) at parameters (rows).
-fn collocation(knots: &Knots, at: &[f64]) -> DMatrix<f64> {
-    let mut a = DMatrix::zeros(at.len(), knots.n());
-    for (i, &t) in at.iter().enumerate() {
-        for (k, value) in knots.values(t) {
-            a[(i, k)] = value;
+/// The matrix of the basis functions (columns) at Greville's parameters (rows), factored: row i has entries from column
+/// i - 3 to i + 3 only. It is totally positive, so that elimination needs no pivots (C. de Boor, *A Practical Guide to
+/// Splines*, ch. 13).
+struct Collocation {
+    rows: Vec<[f64; 2 * DEGREE + 1]>,
+}
+
+impl Collocation {
+    /// `None` if the matrix is singular.
+    fn new(knots: &Knots, at: &[f64]) -> Option<Self> {
+        let n = at.len();
+        let mut rows = vec![[0.0; 2 * DEGREE + 1]; n];
+        for (i, &t) in at.iter().enumerate() {
+            for (k, value) in knots.values(t).filter(|v| v.0.abs_diff(i) <= DEGREE) {
+                rows[i][DEGREE + k - i] = value;
+            }
+        }
+        for i in 0..n {
+            let pivot = rows[i][DEGREE];
+            if pivot.is_nan() || pivot <= 0.0 {
+                return None;
+            }
+            for r in i + 1..n.min(i + DEGREE + 1) {
+                let share = rows[r][DEGREE + i - r] / pivot;
+                for c in i + 1..n.min(i + DEGREE + 1) {
+                    rows[r][DEGREE + c - r] -= share * rows[i][DEGREE + c - i];
+                }
+                rows[r][DEGREE + i - r] = share;
+            }
+        }
+        Some(Self { rows })
+    }
+
+    /// Solves in place.
+    fn solve(&self, x: &mut [DVec3]) {
+        let n = x.len();
+        for i in 0..n {
+            for k in i.saturating_sub(DEGREE)..i {
+                x[i] -= self.rows[i][DEGREE + k - i] * x[k];
+            }
+        }
+        for i in (0..n).rev() {
+            for k in i + 1..n.min(i + DEGREE + 1) {
+                x[i] -= self.rows[i][DEGREE + k - i] * x[k];
+            }
+            x[i] /= self.rows[i][DEGREE];
         }
     }
-    a
 }
 
 impl NurbsSurface {
@@ -67,17 +105,15 @@ impl NurbsSurface {
                     points.push(exact(u, v)?);
                 }
             }
-            let (along_u, along_v) = (collocation(&ku, &us).lu(), collocation(&kv, &vs).lu());
-            let mut control = vec![DVec3::ZERO; points.len()];
-            for axis in 0..3 {
-                let grid = DMatrix::from_fn(us.len(), vs.len(), |i, j| points[i * vs.len() + j][axis]);
-                let half = along_u.solve(&grid)?;
-                let full = along_v.solve(&half.transpose())?;
-                for (k, c) in control.iter_mut().enumerate() {
-                    c[axis] = full[(k % vs.len(), k / vs.len())];
-                }
+            let (along_u, along_v) = (Collocation::new(&ku, &us)?, Collocation::new(&kv, &vs)?);
+            points.chunks_mut(vs.len()).for_each(|row| along_v.solve(row));
+            let mut column = vec![DVec3::ZERO; us.len()];
+            for j in 0..vs.len() {
+                column.iter_mut().zip(points[j..].iter().step_by(vs.len())).for_each(|(c, p)| *c = *p);
+                along_u.solve(&mut column);
+                points[j..].iter_mut().step_by(vs.len()).zip(&column).for_each(|(p, c)| *p = *c);
             }
-            let points: Vec<DVec4> = control.iter().map(|p| p.extend(1.0)).collect();
+            let points: Vec<DVec4> = points.iter().map(|p| p.extend(1.0)).collect();
             let fit = Self { knots: [ku, kv], points, periods: self.periods };
             let mut off = 0.0f64;
             for u in us.windows(2).map(|w| 0.5 * (w[0] + w[1])) {
