@@ -118,8 +118,7 @@ pub(crate) fn mesh_region(
     let mut points: Vec<Point2> = ids.iter().map(|&v| arrangement.points[v as usize]).collect();
     let mut flags = vec![NodeFlags::GEOMETRY; points.len()];
 
-    let mut handed = None;
-    let mut new_fronts = false;
+    let mut ring_sizes = Vec::new();
     if let Some(rules) = layer_rules {
         let which: Vec<usize> = global_walks.iter().map(|w| curves.of_walk(w)).collect();
         let layers = lay(&walks, &which, &points, curves, rules, size, arrangement);
@@ -145,14 +144,14 @@ pub(crate) fn mesh_region(
         points.extend_from_slice(&layers.points);
         out.trees.push(Filled::leaf(first, layers.points, quads));
         walks = layers.fronts;
-        // The paper has no such thing.
-        handed = (rules.rules == PavingRules::Corrected)
-            .then(|| hand_over(size, &points, &layers.ring_sizes, &walks))
-            .flatten();
-        new_fronts = rules.rules == PavingRules::Corrected && !out.quad_layer.is_empty();
+        // The paper knows nothing of what follows from them.
+        if rules.rules == PavingRules::Corrected {
+            ring_sizes = layers.ring_sizes;
+        }
     }
+    let handed = hand_over(size, &points, &ring_sizes, &walks);
     let size = handed.as_ref().map_or(size, |b| b as &dyn SizeField);
-    let roomy = new_fronts.then(|| room_beside(size, &points, &walks)).flatten();
+    let roomy = (!ring_sizes.is_empty()).then(|| room_beside(size, &points, &walks)).flatten();
     let size = roomy.as_ref().map_or(size, |b| b as &dyn SizeField);
 
     let internal = |stage, detail: String| MeshError::Internal { stage, detail };

@@ -23,21 +23,11 @@ pub trait SizeField: Send + Sync + std::fmt::Debug {
     fn range(&self) -> (f64, f64);
 }
 
-impl<T: SizeField + ?Sized> SizeField for &T {
-    fn h(&self, p: Point2, hint: &mut Hint) -> f64 {
-        (**self).h(p, hint)
-    }
-
-    fn constant(&self) -> Option<f64> {
-        (**self).constant()
-    }
-
-    fn range(&self) -> (f64, f64) {
-        (**self).range()
-    }
-}
-
-impl<T: SizeField + ?Sized> SizeField for std::sync::Arc<T> {
+/// What points to a field is that field: references, `Arc`.
+impl<P> SizeField for P
+where
+    P: std::ops::Deref<Target: SizeField> + Send + Sync + std::fmt::Debug,
+{
     fn h(&self, p: Point2, hint: &mut Hint) -> f64 {
         (**self).h(p, hint)
     }
