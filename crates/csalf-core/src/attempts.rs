@@ -51,7 +51,7 @@ fn best_variant(job: &Job, attempt: &Attempt, watch: &dyn Watch) -> Result<Meshe
         return Ok(best);
     }
     let mut first = shape(&best.mesh);
-    if first.0 >= mean || first.1 < min {
+    if first.1 < min {
         return Ok(best);
     }
     let n_made = |m: &Meshed| m.report.loops.iter().map(|l| l.made).sum::<usize>();

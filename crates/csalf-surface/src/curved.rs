@@ -32,8 +32,8 @@ const MAX_LEVELS: usize = 6;
 /// Times that a cut face is meshed with smaller sizes, if two pieces between the same seams are but one quad
 /// wide, so that their meshes share more than the seams, or if quads come out folded.
 const RETRIES: usize = 4;
-/// Faces in more charts than this are meshed once: where heaps of needles end in hundreds of charts, finer sizes took
-/// minutes to fail again (`fuzz-models`, seed 2026).
+/// Faces in more charts than this are meshed once, as are those in one: where heaps of needles end in hundreds of charts,
+/// finer sizes took minutes to fail again (`fuzz-models`, seed 2026).
 const FEW_CHARTS: usize = 64;
 /// Factor of the sizes from one attempt to the next.
 const FINER: f64 = 0.6;
@@ -92,19 +92,17 @@ pub(crate) fn curved(input: &FaceInput<'_>, options: &Options) -> Result<FaceMes
     // Of attempts with quads that are folded in space the one with the fewest; and why there is none.
     let mut folded: Option<FaceMesh> = None;
     let mut refused = None;
-    let attempts = if pieces.len() > FEW_CHARTS { 1 } else { RETRIES };
+    let attempts = if (2..=FEW_CHARTS).contains(&pieces.len()) { RETRIES } else { 1 };
     for attempt in 0..attempts {
         match face.mesh(input, options, &pieces, &cut, attempt) {
-            Ok(out) if out.report.quality.n_nonpositive == 0 || pieces.len() == 1 => return Ok(out),
+            Ok(out) if out.report.quality.n_nonpositive == 0 => return Ok(out),
             Ok(out) => {
                 let n = out.report.quality.n_nonpositive;
                 if folded.as_ref().is_none_or(|f| n < f.report.quality.n_nonpositive) {
                     folded = Some(out);
                 }
             }
-            Err(e @ (FaceError::TooThin { .. } | FaceError::Internal { .. } | FaceError::Planar { .. }))
-                if pieces.len() > 1 =>
-            {
+            Err(e @ (FaceError::TooThin { .. } | FaceError::Internal { .. } | FaceError::Planar { .. })) => {
                 refused.get_or_insert(e);
             }
             Err(e) => return Err(e),
