@@ -1,7 +1,7 @@
 //! Exodus II (`.exo`, `.e`), written: one block of quads and one of triangles, node sets, side sets (of edge sets) and
 //! element sets (of quad sets), all by name; classic netCDF with 64-bit offsets. With mid-side nodes the blocks are
-//! QUAD8 or QUAD9 and TRI6; in space they are shells, SHELL4 to SHELL9, whose sides 1 and 2 are their faces. Source: L. A. Schoof, V. R. Yarberry, *EXODUS II: A Finite Element Data Model*,
-//! SAND92-2137 (1994), and its later additions.
+//! QUAD8 or QUAD9 and TRI6; in space they are shells, SHELL4 to SHELL9, whose sides 1 and 2 are their faces. Source:
+//! L. A. Schoof, V. R. Yarberry, *EXODUS II: A Finite Element Data Model*, SAND92-2137 (1994), and its later additions.
 
 use crate::netcdf::{File, Values};
 use crate::sides::Sides;
@@ -21,9 +21,12 @@ const NAME: usize = 33;
 pub fn write(out: &MeshView<'_>, mid: Option<&MidNodes>, w: &mut dyn Write) -> Result<(), IoError> {
     let mesh = out.mesh;
     let points: Vec<[f64; 3]> = out.all_xyz(mid).collect();
-    let in_space = !out.heights.is_empty();
     // Of a shell, sides 1 and 2 are its faces.
-    let first_side = if in_space { 2 } else { 0 };
+    let (along, quad, triangle, first_side) = if out.heights.is_empty() {
+        (&["x", "y"][..], "QUAD", "TRI", 0)
+    } else {
+        (&["x", "y", "z"][..], "SHELL", "TRISHELL", 2)
+    };
     let (nq, nt) = (mesh.quads.len(), mesh.triangles.len());
     if i32::try_from(9 * nq + 6 * nt).is_err() || i32::try_from(points.len()).is_err() {
         return Err(IoError::unsupported(FORMAT, Place::Whole, "the mesh needs more than 31 bits"));
@@ -37,43 +40,29 @@ pub fn write(out: &MeshView<'_>, mid: Option<&MidNodes>, w: &mut dyn Write) -> R
     f.attribute("title", Values::Text(if title.is_empty() { b"mesh".to_vec() } else { title.into_bytes() }));
     let name = f.dimension("len_name", NAME);
     let time = f.dimension("time_step", 0);
-    let axes = f.dimension("num_dim", if in_space { 3 } else { 2 });
+    let axes = f.dimension("num_dim", along.len());
     let n_nodes = f.dimension("num_nodes", points.len());
     f.dimension("num_elem", nq + nt);
 
     let ids = |v: &[csalf_geom::VertexId]| v.iter().map(|v| v.0 as i32 + 1).collect::<Vec<i32>>();
-    let mut blocks: Vec<(&str, &str, usize, Vec<i32>)> = Vec::new();
+    let mut blocks: Vec<(&str, String, usize, Vec<i32>)> = Vec::new();
     if nq > 0 {
         let k = mid.map_or(4, |m| if m.has_centres() { 9 } else { 8 });
-        let kind = match (k, in_space) {
-            (4, false) => "QUAD4",
-            (8, false) => "QUAD8",
-            (_, false) => "QUAD9",
-            (4, true) => "SHELL4",
-            (8, true) => "SHELL8",
-            (_, true) => "SHELL9",
-        };
         let nodes = mesh
             .quads
             .iter()
             .enumerate()
             .flat_map(|(i, q)| mid.map_or_else(|| ids(q), |m| ids(&m.quad(i, q))));
-        blocks.push(("quads", kind, k, nodes.collect()));
+        blocks.push(("quads", format!("{quad}{k}"), k, nodes.collect()));
     }
     if nt > 0 {
-        let (kind, k) = match (mid.is_some(), in_space) {
-            (false, false) => ("TRI3", 3),
-            (true, false) => ("TRI6", 6),
-            (false, true) => ("TRISHELL3", 3),
-            (true, true) => ("TRISHELL6", 6),
-        };
+        let k = if mid.is_some() { 6 } else { 3 };
         let nodes = mesh.triangles.iter().flat_map(|t| mid.map_or_else(|| ids(t), |m| ids(&m.triangle(t))));
-        blocks.push(("triangles", kind, k, nodes.collect()));
+        blocks.push(("triangles", format!("{triangle}{k}"), k, nodes.collect()));
     }
     let n_blocks = f.dimension("num_el_blk", blocks.len());
     f.variable("time_whole", &[time], None, Values::Double(Vec::new()));
     list(&mut f, "eb", &blocks.iter().map(|b| b.0).collect::<Vec<_>>(), n_blocks, name);
-    let along = &["x", "y", "z"][..if in_space { 3 } else { 2 }];
     for (k, axis) in along.iter().enumerate() {
         let values = points.iter().map(|p| p[k]).collect();
         f.variable(format!("coord{axis}"), &[n_nodes], None, Values::Double(values));
@@ -86,7 +75,7 @@ pub fn write(out: &MeshView<'_>, mid: Option<&MidNodes>, w: &mut dyn Write) -> R
         f.variable(
             format!("connect{}", b + 1),
             &[rows, columns],
-            Some(("elem_type", kind)),
+            Some(("elem_type", &kind)),
             Values::Int(nodes),
         );
     }

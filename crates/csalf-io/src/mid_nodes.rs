@@ -19,7 +19,7 @@
 
 use csalf_geom::curve::Curve;
 use csalf_geom::{Geometry, Point2, VertexId};
-use csalf_mesh::{NamedSets, QuadMesh, SurfaceMesh};
+use csalf_mesh::{NamedSets, QuadMesh, SurfaceMesh, quality::space::laid};
 use glam::DVec3;
 
 /// Samples per smooth part of a curve. More: slower; fewer: the nearest part of a wriggling curve may be missed.
@@ -284,9 +284,8 @@ fn laid_flat(c: [DVec3; 4], m: [DVec3; 4]) -> ([Point2; 4], [Point2; 4]) {
     if n.x == 0.0 && n.y == 0.0 && n.z > 0.0 {
         return (c.map(DVec3::truncate), m.map(DVec3::truncate));
     }
-    let (x, y) = n.normalize_or(DVec3::Z).any_orthonormal_pair();
-    let flat = |p: DVec3| Point2::new((p - c[0]).dot(x), (p - c[0]).dot(y));
-    (c.map(flat), m.map(flat))
+    let [c0, c1, c2, c3, m0, m1, m2, m3] = laid(&[c[0], c[1], c[2], c[3], m[0], m[1], m[2], m[3]], n);
+    ([c0, c1, c2, c3], [m0, m1, m2, m3])
 }
 
 /// True if the Jacobian of the serendipity element is positive at its eight nodes and at its centre. Source: the shape

@@ -54,24 +54,24 @@ pub fn laid_flat(mesh: &QuadMesh, heights: &[f64]) -> QuadMesh {
     for q in &mesh.quads {
         let p = q.map(|v| place(mesh, heights, v));
         let first = flat.points.len();
-        lay(&p, (p[2] - p[0]).cross(p[3] - p[1]), &mut flat.points);
+        flat.points.extend(laid(&p, (p[2] - p[0]).cross(p[3] - p[1])));
         flat.quads.push(std::array::from_fn(|k| VertexId::new(first + k)));
     }
     for t in &mesh.triangles {
         let p = t.map(|v| place(mesh, heights, v));
         let first = flat.points.len();
-        lay(&p, (p[1] - p[0]).cross(p[2] - p[0]), &mut flat.points);
+        flat.points.extend(laid(&p, (p[1] - p[0]).cross(p[2] - p[0])));
         flat.triangles.push(std::array::from_fn(|k| VertexId::new(first + k)));
     }
     flat
 }
 
-/// The corners in the plane across `normal`, the first in its origin, the first side along x.
-fn lay(p: &[DVec3], normal: DVec3, out: &mut Vec<Point2>) {
+/// Points in the plane across `normal`, the first in its origin, the way from it to the second along x.
+pub fn laid<const N: usize>(p: &[DVec3; N], normal: DVec3) -> [Point2; N] {
     let normal = normal.normalize_or_zero();
     let along = (p[1] - p[0]).reject_from_normalized(normal).normalize_or_zero();
     let across = normal.cross(along);
-    out.extend(p.iter().map(|c| Point2::new((c - p[0]).dot(along), (c - p[0]).dot(across))));
+    p.map(|c| Point2::new((c - p[0]).dot(along), (c - p[0]).dot(across)))
 }
 
 #[cfg(test)]
