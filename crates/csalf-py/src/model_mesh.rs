@@ -38,21 +38,18 @@ impl ModelMesh {
     /// What a file holds: its faces are the quad sets that have no quad of an earlier one, and what is left.
     pub(crate) fn read(data: MeshData, name: String) -> Self {
         let MeshData { mesh: flat, heights, sets, cell_data, notes } = data;
-        let mut face_of_quad = vec![u32::MAX; flat.quads.len()];
-        let mut faces = Vec::new();
-        let mut add = |name: &str, quads: &mut dyn Iterator<Item = usize>| {
-            quads.for_each(|q| face_of_quad[q] = faces.len() as u32);
-            faces.push(name.to_owned());
-        };
-        let mut taken = vec![false; flat.quads.len()];
+        const FREE: u32 = u32::MAX;
+        let mut face_of_quad = vec![FREE; flat.quads.len()];
+        let mut faces: Vec<String> = Vec::new();
         for (name, quads) in &sets.quads {
-            if !quads.is_empty() && quads.iter().all(|q| !taken[q.index()]) {
-                quads.iter().for_each(|q| taken[q.index()] = true);
-                add(name, &mut quads.iter().map(|q| q.index()));
+            if !quads.is_empty() && quads.iter().all(|q| face_of_quad[q.index()] == FREE) {
+                quads.iter().for_each(|q| face_of_quad[q.index()] = faces.len() as u32);
+                faces.push(name.clone());
             }
         }
-        if taken.contains(&false) {
-            add("other", &mut (0..taken.len()).filter(|&q| !taken[q]));
+        if face_of_quad.contains(&FREE) {
+            face_of_quad.iter_mut().filter(|f| **f == FREE).for_each(|f| *f = faces.len() as u32);
+            faces.push("other".to_owned());
         }
         let points = flat.points.iter().zip(&heights).map(|(p, &z)| p.extend(z)).collect();
         let mut mesh = csalf_model::ModelMesh {
