@@ -88,7 +88,8 @@ pub fn values(mesh: &QuadMesh, name: &str, field: Option<&dyn SizeField>) -> Opt
 }
 
 /// The values of a metric of a mesh in space, seen from above with the heights of its vertices: each element is laid
-/// into its mean plane first; scaled Jacobians have the lengths in space. `None` if there is no such metric; `size_ratio` is NaN. Cost O(n).
+/// into its mean plane first; scaled Jacobians have the lengths in space. `None` if there is no such metric;
+/// `size_ratio` is NaN. Cost O(n).
 pub fn in_space(mesh: &QuadMesh, heights: &[f64], name: &str) -> Option<Vec<f64>> {
     let mut out = values(&space::laid_flat(mesh, heights), name, None)?;
     let value: fn([glam::DVec3; 4]) -> f64 = match name {
