@@ -44,26 +44,6 @@ pub(crate) struct Local {
     pub(crate) turn: f64,
 }
 
-/// One corner, in lengths of its target.
-struct Corner {
-    e1: Point2,
-    e2: Point2,
-    /// cos and 1 / sin of the target angle.
-    target: [f64; 2],
-}
-
-impl Corner {
-    #[inline]
-    fn d(&self) -> f64 {
-        self.e1.perp_dot(self.e2)
-    }
-    #[inline]
-    fn t(&self) -> f64 {
-        (self.e1.length_squared() + self.e2.length_squared() - 2.0 * self.target[0] * self.e1.dot(self.e2))
-            * self.target[1]
-    }
-}
-
 /// The three corners that feel vertex k of a quad, one per lane: its own, the next and the previous one's, in lengths of
 /// their targets. The fourth lane is a square, which costs nothing (`real` is 0 there).
 struct Feeling {
@@ -251,7 +231,7 @@ pub(crate) fn worst_corner(region: &Region, v: u32, at: Point2) -> f64 {
 }
 
 /// Regularised energy of all corners of the region with the free vertices at `x`, sum of F (not squared), its
-/// gradient by the free vertices into `gradient`, and the smallest D.
+/// gradient by the free vertices into `gradient`, and the smallest D. `eps` is positive. Cost about 20 ns per quad.
 pub(crate) fn regularised(
     region: &Region,
     x: &[Point2],
@@ -260,34 +240,43 @@ pub(crate) fn regularised(
     gradient: &mut [Point2],
 ) -> (f64, f64) {
     gradient.fill(Point2::ZERO);
-    let (mut value, mut min_d) = (0.0, f64::INFINITY);
     let at = |v: u32| x.get(v as usize).copied().unwrap_or_else(|| region.points[v as usize]);
+    let (one, half) = (Lanes::splat(1.0), Lanes::splat(0.5));
+    let (square, four_by_square) = (Lanes::splat(eps * eps), Lanes::splat(4.0 / (eps * eps)));
+    let (mut value, mut min_d) = (Lanes::splat(0.0), Lanes::splat(f64::INFINITY));
     for (vs, inverse) in region.quads.iter().zip(&region.inverse) {
-        let p = vs.map(at);
+        let [a, b, c, d] = vs.map(at);
+        let (ab, bc, cd, da) = (b - a, c - b, d - c, a - d);
+        // Lane k: corner k, between its side and the one before.
+        let [m, l] = [0, 1].map(|k| Lanes::new([inverse[k], inverse[1 - k], inverse[k], inverse[1 - k]]));
+        let (x1, y1) = (m * Lanes::new([ab.x, bc.x, cd.x, da.x]), m * Lanes::new([ab.y, bc.y, cd.y, da.y]));
+        let (x2, y2) =
+            (l * Lanes::new([-da.x, -ab.x, -bc.x, -cd.x]), l * Lanes::new([-da.y, -ab.y, -bc.y, -cd.y]));
+        let target = vs.map(|v| region.angle[v as usize]);
+        let [cos, csc] = [0, 1].map(|k| Lanes::new(target.map(|t| t[k])));
+        let d = x1 * y2 - y1 * x2;
+        let t = (x1 * x1 + y1 * y1 + x2 * x2 + y2 * y2 - 2.0 * cos * (x1 * x2 + y1 * y2)) * csc;
+        let root = (d * d + square).sqrt();
+        // For D < 0 the form without cancellation.
+        let sum = half * (d.abs() + root);
+        let inverse_chi = d.where_negative(sum * four_by_square, sum.recip());
+        let f_chi = 0.5 * ((1.0 - lambda) * t + lambda * (d * d + one));
+        value = value + f_chi * inverse_chi;
+        min_d = min_d.min(d);
+        let by_t = ((1.0 - lambda) * csc) * inverse_chi;
+        // The slope of chi is chi / root.
+        let by_d = (lambda * d - f_chi * root.recip()) * inverse_chi;
+        let e1x = (m * (by_t * (x1 - cos * x2) + by_d * y2)).to_array();
+        let e1y = (m * (by_t * (y1 - cos * y2) - by_d * x2)).to_array();
+        let e2x = (l * (by_t * (x2 - cos * x1) - by_d * y1)).to_array();
+        let e2y = (l * (by_t * (y2 - cos * y1) + by_d * x1)).to_array();
         for k in 0..4 {
-            let (m, l) = (inverse[k & 1], inverse[(k + 1) & 1]);
-            let (n, b) = ((k + 1) & 3, (k + 3) & 3);
-            let target = region.angle[vs[k] as usize];
-            let c = Corner { e1: m * (p[n] - p[k]), e2: l * (p[b] - p[k]), target };
-            let (d, t) = (c.d(), c.t());
-            let root = (d * d + eps * eps).sqrt();
-            // The second form has no cancellation for D < 0.
-            let chi = if d >= 0.0 { 0.5 * (d + root) } else { 0.5 * eps * eps / (root - d) };
-            let dchi = if root > 0.0 { 0.5 + 0.5 * d / root } else { 0.5 };
-            let size = d * d + 1.0;
-            value += 0.5 * ((1.0 - lambda) * t + lambda * size) / chi;
-            let ft = 0.5 * (1.0 - lambda) / chi;
-            let fd = -0.5 * ((1.0 - lambda) * t + lambda * size) * dchi / (chi * chi) + lambda * d / chi;
-            let [cos, csc] = target;
-            let d1 = m * ((ft * 2.0 * csc) * (c.e1 - cos * c.e2) + fd * Point2::new(c.e2.y, -c.e2.x));
-            let d2 = l * ((ft * 2.0 * csc) * (c.e2 - cos * c.e1) + fd * Point2::new(-c.e1.y, c.e1.x));
-            for (v, g) in [(vs[n], d1), (vs[b], d2), (vs[k], -d1 - d2)] {
-                if let Some(s) = gradient.get_mut(v as usize) {
-                    *s += g;
-                }
+            let (before, after) = ((k + 3) & 3, (k + 1) & 3);
+            if let Some(g) = gradient.get_mut(vs[k] as usize) {
+                g.x += e1x[before] + e2x[after] - e1x[k] - e2x[k];
+                g.y += e1y[before] + e2y[after] - e1y[k] - e2y[k];
             }
-            min_d = min_d.min(d);
         }
     }
-    (value, min_d)
+    (value.sum(), min_d.least())
 }

@@ -28,6 +28,15 @@ impl Lanes {
     pub(crate) fn recip(self) -> Self {
         Self(f64x4::ONE / self.0)
     }
+    #[inline(always)]
+    pub(crate) fn sqrt(self) -> Self {
+        Self(self.0.sqrt())
+    }
+    /// `a` where the number is negative, else `b`.
+    #[inline(always)]
+    pub(crate) fn where_negative(self, a: Self, b: Self) -> Self {
+        Self(self.0.simd_lt(f64x4::ZERO).select(a.0, b.0))
+    }
     /// Each number to the power of `n`.
     pub(crate) fn powi(self, n: i32) -> Self {
         let [a, b, c, d] = self.to_array();
