@@ -41,7 +41,9 @@ impl<'a> Shapes<'a> {
     /// The point of the surface of `face` nearest to `p`, if that is nearer than `reach`; `None` of planes and facets.
     pub fn on_face(&self, face: usize, p: DVec3, reach: f64) -> Option<DVec3> {
         let surface = match &self.model.faces.get(face)?.shape {
-            FaceShape::Surface(Surface::Plane(_), _) | FaceShape::Facets(_) => return None,
+            FaceShape::Surface(Surface::Plane(_), _) | FaceShape::Facets(_) | FaceShape::Unread => {
+                return None;
+            }
             FaceShape::Surface(surface, _) => surface,
         };
         let inverter = self.inverters[face].get_or_init(|| Inverter::new(surface));

@@ -89,7 +89,7 @@ fn measure(what: &str, model: &Model, m: &ModelMesh, seconds: f64) {
         .iter()
         .map(|f| match &f.shape {
             FaceShape::Surface(s, _) => Some(Inverter::new(s)),
-            FaceShape::Facets(_) => None,
+            FaceShape::Facets(_) | FaceShape::Unread => None,
         })
         .collect();
     let (mut off, mut turned, mut least, mut sum, mut poor) = (0.0_f64, 0, f64::INFINITY, 0.0, 0);
@@ -144,8 +144,7 @@ fn measure(what: &str, model: &Model, m: &ModelMesh, seconds: f64) {
     );
     if worst.0 < 0.4 {
         let face = &model.faces[worst.1];
-        let kind = if let FaceShape::Surface(s, _) = &face.shape { s.kind() } else { "facets" };
-        println!("  worst {:.3} in {} ({kind}) at {}", worst.0, face.name, worst.2);
+        println!("  worst {:.3} in {} ({}) at {}", worst.0, face.name, face.shape.kind(), worst.2);
     }
     for f in &m.failures {
         println!("  FAILED {}: {}", f.name, f.message);

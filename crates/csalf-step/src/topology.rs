@@ -153,21 +153,13 @@ impl<'m> Part<'m> {
         let mut body = Body { name, faces: Vec::new(), solid };
         for (shell, orientation) in shells {
             for face in shell.faces() {
-                if let Some(f) = self.face(&face, orientation == Orientation::Reversed) {
-                    body.faces.push(f);
-                }
+                body.faces.push(self.face(&face, orientation == Orientation::Reversed));
             }
         }
         self.model.bodies.push(body);
     }
 
-    fn face(&mut self, face: &step_io::scene::Face<'m>, turned: bool) -> Option<usize> {
-        let name = face.name().to_owned();
-        let Some((surface, kept)) = face_surface(self.step, face, self.radians) else {
-            let what = if name.is_empty() { "a face".to_owned() } else { format!("face {name}") };
-            self.model.notes.push(format!("{what} was left out: its surface is of a kind that is not read"));
-            return None;
-        };
+    fn face(&mut self, face: &step_io::scene::Face<'m>, turned: bool) -> usize {
         let forward = (face.orientation() == Orientation::Forward) != turned;
         let mut loops = Vec::new();
         for bound in face.bounds() {
@@ -185,9 +177,10 @@ impl<'m> Part<'m> {
         }
         let color = face.color().or_else(|| face.solid().and_then(|s| s.color()));
         let color = color.map(|c| [c.red, c.green, c.blue]);
-        let shape = FaceShape::Surface(surface, forward == kept);
-        self.model.faces.push(Face { name, shape, loops, color });
-        Some(self.model.faces.len() - 1)
+        let shape = face_surface(self.step, face, self.radians)
+            .map_or(FaceShape::Unread, |(surface, kept)| FaceShape::Surface(surface, forward == kept));
+        self.model.faces.push(Face { name: face.name().to_owned(), shape, loops, color });
+        self.model.faces.len() - 1
     }
 
     fn vertex(&mut self, vertex: &step_io::scene::Vertex<'m>) -> Option<usize> {

@@ -69,6 +69,25 @@ fn an_offset_surface_keeps_its_distance() {
     assert!(mesh.failures.is_empty() && mesh.mesh.quads.len() > 100, "{:?}", mesh.failures);
 }
 
+/// A face on a surface that cannot be read is a failure of that face, and the others are meshed around it.
+#[test]
+fn faces_on_unknown_surfaces_are_told() {
+    // An offset of itself.
+    let text =
+        BLOCK.replace("#180=CYLINDRICAL_SURFACE('',#179,6.000000);", "#180=OFFSET_SURFACE('',#180,1.0,.F.);");
+    assert_ne!(text, BLOCK);
+    let mut model = read(text.as_bytes()).expect("a model");
+    let whole = read(BLOCK.as_bytes()).expect("a model");
+    assert_eq!((model.faces.len(), model.edges.len()), (whole.faces.len(), whole.edges.len()));
+    let unread: Vec<usize> =
+        (0..model.faces.len()).filter(|&f| model.faces[f].shape == FaceShape::Unread).collect();
+    check_and_snap(&mut model);
+    let mesh = mesh_model(&model, &ModelOptions::default());
+    assert_eq!(mesh.failures.iter().map(|f| f.face).collect::<Vec<_>>(), unread);
+    assert!(!unread.is_empty() && mesh.failures[0].message.contains("not read"), "{:?}", mesh.failures);
+    assert!(mesh.face_of_quad.iter().all(|f| !unread.contains(&(*f as usize))) && mesh.n_free_sides > 0);
+}
+
 #[test]
 fn broken_files_are_errors() {
     assert!(matches!(read(b""), Err(StepError::Syntax(_))));

@@ -4,7 +4,7 @@ use crate::args::InfoArgs;
 use crate::config::ModelKeys;
 use crate::exit::Failure;
 use crate::{json, say};
-use csalf_model::brep::{FaceShape, HoleShape, Model, loop_features};
+use csalf_model::brep::{HoleShape, Model, loop_features};
 use serde_json::{Map, Value};
 use std::fmt::Write as _;
 
@@ -36,7 +36,7 @@ pub(super) fn show(model: &Model, as_json: bool) -> Result<(), Failure> {
         let faces: Vec<Value> = model
             .faces
             .iter()
-            .map(|f| serde_json::json!({ "name": f.name, "kind": kind(&f.shape), "n_loops": f.loops.len() }))
+            .map(|f| serde_json::json!({ "name": f.name, "kind": f.shape.kind(), "n_loops": f.loops.len() }))
             .collect();
         let mut m = Map::new();
         m.insert("name".into(), model.name.clone().into());
@@ -59,7 +59,7 @@ pub(super) fn show(model: &Model, as_json: bool) -> Result<(), Failure> {
     );
     let unit = if model.unit.is_empty() { "unknown" } else { &model.unit };
     let _ = write!(s, "\nunit {unit}; box ({}, {}, {}) to ({}, {}, {})", lo.x, lo.y, lo.z, hi.x, hi.y, hi.z);
-    let mut kinds: Vec<&str> = model.faces.iter().map(|f| kind(&f.shape)).collect();
+    let mut kinds: Vec<&str> = model.faces.iter().map(|f| f.shape.kind()).collect();
     kinds.sort_unstable();
     for run in kinds.chunk_by(|a, b| a == b) {
         let _ = write!(s, "\n{:6} faces: {}", run.len(), run[0]);
@@ -77,12 +77,4 @@ pub(super) fn show(model: &Model, as_json: bool) -> Result<(), Failure> {
         let _ = write!(s, "\nnote: {note}");
     }
     say::out(&s)
-}
-
-/// The kind of a surface.
-pub(super) fn kind(shape: &FaceShape) -> &'static str {
-    match shape {
-        FaceShape::Surface(s, _) => s.kind(),
-        FaceShape::Facets(_) => "facets",
-    }
 }

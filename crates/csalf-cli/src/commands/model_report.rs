@@ -103,7 +103,7 @@ fn faces(model: &Model, meshed: &ModelMesh, quality: &[f64]) -> Value {
     }
     let entry = |(face, q): (&csalf_model::brep::Face, &Vec<f64>)| {
         let (least, mean) = of_list(q);
-        let kind = super::model_info::kind(&face.shape);
+        let kind = face.shape.kind();
         json!({ "name": face.name, "kind": kind, "n_quads": q.len(), "min_sj": least, "mean_sj": mean })
     };
     model.faces.iter().zip(&of_face).map(entry).collect()

@@ -102,6 +102,19 @@ pub enum FaceShape {
     Surface(Surface, bool),
     /// A patch of triangles of the model's facets.
     Facets(crate::facets::Patch),
+    /// A kind of surface that the file's reader does not know: the face has its place and its edges, but no mesh.
+    Unread,
+}
+
+impl FaceShape {
+    /// In a word: plane, cylinder, ..., facets, unread.
+    pub const fn kind(&self) -> &'static str {
+        match self {
+            Self::Surface(s, _) => s.kind(),
+            Self::Facets(_) => "facets",
+            Self::Unread => "unread",
+        }
+    }
 }
 
 /// A face: a part of a surface within loops.
@@ -196,6 +209,7 @@ impl Model {
                 shape: match &f.shape {
                     FaceShape::Surface(s, sense) => FaceShape::Surface(s.moved(motion), *sense),
                     FaceShape::Facets(p) => FaceShape::Facets(p.mapped(|q| motion.point(q))),
+                    FaceShape::Unread => FaceShape::Unread,
                 },
                 loops: f
                     .loops
@@ -250,7 +264,7 @@ impl Model {
         });
         let facets = self.faces.iter().flat_map(|f| match &f.shape {
             FaceShape::Facets(p) => p.points.as_slice(),
-            FaceShape::Surface(..) => &[],
+            FaceShape::Surface(..) | FaceShape::Unread => &[],
         });
         vertices
             .chain(on_edges)

@@ -95,6 +95,7 @@ fn mesh_shape(cx: &Context<'_>, index: usize, hard: &[Hard]) -> Result<MeshedFac
     let face = &cx.model.faces[index];
     let fail = |message: String, case: Option<Job>| failure(cx, index, message, case);
     match &face.shape {
+        FaceShape::Unread => Err(fail("its surface is of a kind that is not read".into(), None)),
         FaceShape::Facets(p) => patch::mesh_patch(cx, index, p, hard).map_err(|m| fail(m, None)),
         FaceShape::Surface(surface, forward) => {
             let uses = without_seams(&face.loops, surface);

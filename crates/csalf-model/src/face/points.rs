@@ -45,6 +45,7 @@ fn distances(cx: &Context<'_>, index: usize, points: &[DVec3]) -> Vec<f64> {
     let face = &cx.model.faces[index];
     let far = || vec![f64::INFINITY; points.len()];
     match &face.shape {
+        FaceShape::Unread => far(),
         FaceShape::Facets(p) => {
             points.iter().map(|&q| nearest_facet(p, q).map_or(f64::INFINITY, |n| n.0)).collect()
         }

@@ -77,7 +77,7 @@ fn area(face: &Face, rings: &[Vec<DVec3>]) -> f64 {
             4.0 * std::f64::consts::PI * std::f64::consts::PI * major * minor
         }
         // Half the surface of the box around the nodes.
-        FaceShape::Surface(..) => {
+        FaceShape::Surface(..) | FaceShape::Unread => {
             let (lo, hi) = rings
                 .iter()
                 .flatten()
