@@ -87,10 +87,15 @@ class Mesh:
 
 class Model:
     @staticmethod
-    def read(path: str, format: str | None, feature_angle: float | None) -> Model: ...
+    def read(path: str, format: str | None, feature_angle: float | None, sewing: float | None) -> Model: ...
     @staticmethod
     def from_bytes(
-        bytes: bytes, shown: str, name: str, format: str | None, feature_angle: float | None
+        bytes: bytes,
+        shown: str,
+        name: str,
+        format: str | None,
+        feature_angle: float | None,
+        sewing: float | None,
     ) -> Model: ...
     @property
     def name(self) -> str: ...

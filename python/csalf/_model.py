@@ -28,20 +28,29 @@ class Model:
     """A CAD model or a model of facets, as it was read: instances placed, edges sewn, everything checked."""
 
     def __init__(
-        self, path: str | os.PathLike[str], format: str | None = None, *, feature_angle: float | None = None
+        self,
+        path: str | os.PathLike[str],
+        format: str | None = None,
+        *,
+        feature_angle: float | None = None,
+        sewing: float | None = None,
     ) -> None:
         """Reads .step, .stp, .stl, .obj or .ply, and with Open CASCADE (``pip install 'csalf[cad]'``) .igs, .iges,
         .brep or .brp. Facets fall into faces where the normal turns by more than ``feature_angle`` degrees (40).
-        Raises ``FormatError``, ``OSError``, ``MissingError`` without Open CASCADE."""
+        Edges within the length ``sewing`` become one; without it 1e-6 of the diagonal, or up to 1e-4 of it if that closes
+        the model. Raises ``FormatError``, ``OSError``, ``MissingError`` without Open CASCADE, ``ValueError`` if
+        ``sewing`` is not positive."""
+        if sewing is not None and not sewing > 0:
+            raise ValueError("sewing: a positive length")
         self._notes: list[str] = []
         self._has_unit = True
         given = os.fspath(path)
         kind = _cad.format_of(given, format)
         if kind is None:
-            self._raw = _csalf.Model.read(given, format, feature_angle)
+            self._raw = _csalf.Model.read(given, format, feature_angle, sewing)
             return
         step, self._notes = _cad.convert(given, kind)
-        self._raw = _csalf.Model.from_bytes(step, given, _cad.stem(given), "step", None)
+        self._raw = _csalf.Model.from_bytes(step, given, _cad.stem(given), "step", None, sewing)
         self._has_unit = kind != "brep"
 
     @property

@@ -161,6 +161,29 @@ def test_faces_that_fail_are_told(tmp_path) -> None:
     assert again.failures == failures and np.array_equal(again.mesh.quads, mesh.quads)
 
 
+@needs_block
+def test_faces_on_unknown_surfaces_fail(tmp_path) -> None:
+    text = BLOCK.read_text()
+    unknown = text.replace("#180=CYLINDRICAL_SURFACE('',#179,6.000000);", "#180=OFFSET_SURFACE('',#180,1.0,.F.);")
+    assert unknown != text
+    path = tmp_path / "unknown.step"
+    path.write_text(unknown)
+    assert "unread" in [kind for _, kind in csalf.Model(path).faces]
+    with pytest.raises(csalf.ModelError) as caught:
+        csalf.mesh_model(path, size=5)
+    assert all("not read" in f.message for f in caught.value.failures)
+
+
+@needs_block
+def test_sewing(block: csalf.ModelMesh) -> None:
+    model = csalf.Model(BLOCK, sewing=1e-3)
+    assert np.array_equal(csalf.mesh_model(model, size=5, layers={"hole*": 2}).points, block.points)
+    # Wider than the block: all of it is one point.
+    assert not csalf.Model(BLOCK, sewing=1e3).faces
+    with pytest.raises(ValueError, match="sewing"):
+        csalf.Model(BLOCK, sewing=0.0)
+
+
 def test_files_that_are_no_models(tmp_path) -> None:
     with pytest.raises(FileNotFoundError):
         csalf.Model(tmp_path / "none.step")

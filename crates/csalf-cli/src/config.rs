@@ -16,6 +16,7 @@
 
 use crate::args::{ElementArg, MeshArgs, MethodArg, PresetArg};
 use crate::layers::{Layers, parse_law};
+use crate::model_file::Reading;
 use csalf_pave::LayerSpec;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
@@ -53,6 +54,7 @@ struct Config {
 /// [model]
 /// min_size = 0.2               # curvature asks for no less
 /// per_turn = 16                # elements per full turn
+/// sewing = 0.02                # edges within this distance become one
 /// faces = { "top*" = 2.0 }     # sizes; the smallest that fits counts
 /// edges = { "rim" = 0.5 }      # sizes, whatever the curvature; the last that fits counts
 /// loops = { "hole<12" = 0.4 }  # sizes of the edges of loops
@@ -68,6 +70,8 @@ pub struct ModelKeys {
     pub per_turn: Option<f64>,
     /// Sides at which the normal turns by more are edges of a model of facets, degrees.
     pub feature_angle: Option<f64>,
+    /// Edges within this distance become one, length; without it 1e-6 of the diagonal, or up to 1e-4 if that closes the model.
+    pub sewing: Option<f64>,
     /// Sizes of faces by pattern.
     #[serde(default, deserialize_with = "in_order")]
     pub faces: Vec<(String, f64)>,
@@ -100,9 +104,16 @@ where
 }
 
 impl ModelKeys {
+    /// How the model is to be read.
+    pub const fn reading(&self) -> Reading {
+        Reading { feature_angle: self.feature_angle, sewing: self.sewing }
+    }
+
     /// Sizes and angles must be above 0, points finite.
     fn check(&self) -> Result<(), String> {
-        for (key, value) in [("min_size", self.min_size), ("feature_angle", self.feature_angle)] {
+        let lengths =
+            [("min_size", self.min_size), ("feature_angle", self.feature_angle), ("sewing", self.sewing)];
+        for (key, value) in lengths {
             positive(key, value)?;
         }
         let none = self.per_turn.filter(|n| *n != 0.0);

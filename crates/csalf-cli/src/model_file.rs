@@ -2,13 +2,19 @@
 
 use crate::exit::Failure;
 use csalf_io::facets::FacetFormat;
-use csalf_model::Model;
 use csalf_model::facets::{FacetOptions, model_of_triangles};
+use csalf_model::{Model, Sewn};
 use glam::DVec3;
 use std::path::Path;
 
-/// Edges closer than this share of the model's diagonal are sewn.
-const SEWING: f64 = 1e-6;
+/// What there is to say of reading a model.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Reading {
+    /// Facets fall into faces where the normal turns by more degrees; by default [`FacetOptions::default`].
+    pub feature_angle: Option<f64>,
+    /// Edges within this distance are sewn, length; by default [`csalf_model::sew_closed`] chooses.
+    pub sewing: Option<f64>,
+}
 
 /// The format of a model file, by the name given or the extension; `None` if it is no model.
 pub fn format(path: &Path, name: Option<&str>) -> Option<&'static str> {
@@ -25,23 +31,16 @@ pub fn format(path: &Path, name: Option<&str>) -> Option<&'static str> {
     }
 }
 
-/// The model in the bytes of a file that messages call `shown`; named `name` if the file does not name it. Facets fall
-/// into faces where the normal turns by more than `feature_angle` degrees.
+/// The model in the bytes of a file that messages call `shown`; named `name` if the file does not name it.
 ///
 /// # Errors
 /// [`Failure::Invalid`] if it is no such file, [`Failure::Usage`] if this program cannot read it.
-pub fn read(
-    bytes: &[u8],
-    format: &str,
-    shown: &str,
-    name: &str,
-    feature_angle: Option<f64>,
-) -> Result<Model, Failure> {
+pub fn read(bytes: &[u8], format: &str, shown: &str, name: &str, how: Reading) -> Result<Model, Failure> {
     let mut model = match format {
         #[cfg(feature = "step")]
         "step" => csalf_step::read(bytes)
             .map_err(|e| Failure::Invalid { input: shown.to_owned(), defects: vec![e.to_string()] })?,
-        "stl" | "obj" | "ply" => facet_model(bytes, format, shown, feature_angle)?,
+        "stl" | "obj" | "ply" => facet_model(bytes, format, shown, how.feature_angle)?,
         "iges" | "brep" => {
             let message = format!(
                 "{shown}: {format} is read by Open CASCADE, in Python: pip install 'csalf[cad]', then \
@@ -57,14 +56,38 @@ pub fn read(
     if model.name.trim().is_empty() {
         model.name = name.to_owned();
     }
-    let tolerance = SEWING * model.diagonal();
-    let n_sewn = csalf_model::sew(&mut model, tolerance);
-    if n_sewn > 0 {
-        model.notes.push(format!("{n_sewn} edges were sewn to others at the same place"));
-    }
+    let sewn = match how.sewing {
+        Some(tolerance) => csalf_model::sew(&mut model, tolerance),
+        None => csalf_model::sew_closed(&mut model),
+    };
+    model.notes.extend(told(&sewn, &model));
     let report = csalf_model::check_and_snap(&mut model);
     model.notes.extend(report.messages);
     Ok(model)
+}
+
+/// What was sewn and what was not, in words.
+fn told(sewn: &Sewn, model: &Model) -> Vec<String> {
+    let within = format!("within {:.3e}", sewn.tolerance);
+    let mut notes = Vec::new();
+    if sewn.n_edges > 0 {
+        let cuts = if sewn.n_cuts > 0 {
+            format!(", after {} cuts where others end", sewn.n_cuts)
+        } else {
+            String::new()
+        };
+        notes.push(format!("{} edges were sewn to others {within}{cuts}", sewn.n_edges));
+    }
+    notes.extend(
+        sewn.slivers.iter().map(|name| format!("{name}: left out, as all of it lies {within} of its edges")),
+    );
+    let n_free = model.free_edges().count();
+    if n_free > 0 && model.bodies.iter().any(|b| b.solid) {
+        notes.push(format!(
+            "{n_free} edges bound one face only, though the model is of solids: a larger sewing length may join them"
+        ));
+    }
+    notes
 }
 
 /// Reads facets and makes faces of them.

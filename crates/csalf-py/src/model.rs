@@ -9,10 +9,9 @@
 use crate::model_mesh::ModelMesh;
 use crate::{errors, run};
 use csalf_cli::layers::parse_law;
-use csalf_cli::model_file;
+use csalf_cli::model_file::{self, Reading};
 use csalf_core::{MeshError, Options, Watch};
 use csalf_io::IoError;
-use csalf_model::brep::FaceShape;
 use csalf_model::shard::{self, Shard, Stitched};
 use csalf_model::{LayerLaw, LayerSpec, ModelOptions, Prepared, SizeRules};
 use glam::DVec3;
@@ -60,13 +59,14 @@ impl Model {
         path: PathBuf,
         format: Option<&str>,
         feature_angle: Option<f64>,
+        sewing: Option<f64>,
     ) -> PyResult<Self> {
         let bytes = py
             .detach(|| std::fs::read(&path))
             .map_err(|source| errors::of_file(py, &IoError::Open { path: path.clone(), source }))?;
         let name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
         let shown = path.display().to_string();
-        Self::from_bytes(py, &bytes, &shown, &name, format, feature_angle)
+        Self::from_bytes(py, &bytes, &shown, &name, format, feature_angle, sewing)
     }
 
     /// The model in the bytes of the file `shown`.
@@ -78,11 +78,13 @@ impl Model {
         name: &str,
         format: Option<&str>,
         feature_angle: Option<f64>,
+        sewing: Option<f64>,
     ) -> PyResult<Self> {
         let Some(format) = model_file::format(Path::new(shown), format) else {
             return Err(errors::value(format!("{shown}: a model is .step, .stp, .stl, .obj or .ply")));
         };
-        let model = py.detach(|| model_file::read(bytes, format, shown, name, feature_angle));
+        let model =
+            py.detach(|| model_file::read(bytes, format, shown, name, Reading { feature_angle, sewing }));
         let model = Arc::new(model.map_err(|e| errors::of_failure(py, &e, format))?);
         Ok(Self { model })
     }
@@ -110,11 +112,7 @@ impl Model {
 
     /// Name and kind of surface of each face.
     fn faces(&self) -> Vec<(String, &'static str)> {
-        let kind = |shape: &FaceShape| match shape {
-            FaceShape::Surface(s, _) => s.kind(),
-            FaceShape::Facets(_) => "facets",
-        };
-        self.model.faces.iter().map(|f| (f.name.clone(), kind(&f.shape))).collect()
+        self.model.faces.iter().map(|f| (f.name.clone(), f.shape.kind())).collect()
     }
 
     /// Names of the edges.

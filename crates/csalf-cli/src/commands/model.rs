@@ -23,7 +23,7 @@ use std::path::Path;
 /// Reads a model, checks and sews it.
 pub(super) fn read(path: &Path, format: &str, keys: &ModelKeys) -> Result<Model, Failure> {
     let bytes = files::read(path)?;
-    model_file::read(&bytes, format, &files::shown(path), &files::stem(path), keys.feature_angle)
+    model_file::read(&bytes, format, &files::shown(path), &files::stem(path), keys.reading())
 }
 
 /// Runs `csalf mesh` on a model.

@@ -17,7 +17,7 @@ mod tests;
 pub use check::{CheckReport, check_and_snap};
 pub(crate) use features::outer_loop;
 pub use features::{HoleShape, LoopFeature, loop_features};
-pub use sew::sew;
+pub use sew::{Sewn, sew, sew_closed};
 
 use crate::geometry::{Curve, Motion, Surface};
 use glam::DVec3;
@@ -241,6 +241,12 @@ impl Model {
             }
         }
         uses
+    }
+
+    /// The edges that bound one face only, and that once. A model without any is closed.
+    pub fn free_edges(&self) -> impl Iterator<Item = EdgeIndex> {
+        let uses = self.edge_uses();
+        (0..uses.len()).filter(move |&i| uses[i].len() == 1)
     }
 
     /// Corners of a box around all vertices and samples of all edges and of surfaces without edges; `None` of an

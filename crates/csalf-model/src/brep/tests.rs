@@ -1,5 +1,5 @@
 use super::*;
-use crate::geometry::Frame;
+use crate::geometry::{Frame, Motion};
 use crate::shapes::{Piece, circle, extrude, rectangle};
 use glam::DVec2;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -31,10 +31,123 @@ fn torn_edges_are_sewn() {
     let whole = plate();
     let mut part = torn(&whole);
     assert_eq!(part.edges.len(), 2 * whole.edges.len());
-    let merged = sew(&mut part, 1e-6);
+    let merged = sew(&mut part, 1e-6).n_edges;
     assert_eq!(merged, whole.edges.len());
-    let uses = part.edge_uses();
-    assert!(uses.iter().all(|u| u.is_empty() || (u.len() == 2 && u[0].1.forward != u[1].1.forward)));
+    assert!(is_closed(&part));
+}
+
+/// Every edge in use has two faces that run along it in opposite ways.
+fn is_closed(model: &Model) -> bool {
+    model.edge_uses().iter().all(|u| u.is_empty() || (u.len() == 2 && u[0].1.forward != u[1].1.forward))
+}
+
+/// The model with edge `i` in two parts, for the one face that uses it.
+fn halved(mut model: Model, i: usize) -> Model {
+    let whole = model.edges[i].clone();
+    let half = 0.5 * (whole.range[0] + whole.range[1]);
+    let v = model.add_vertex(whole.at(0.5).point);
+    model.edges[i] = Edge { range: [whole.range[0], half], ends: [whole.ends[0], v], ..whole.clone() };
+    let second = model.add_edge(Edge { range: [half, whole.range[1]], ends: [v, whole.ends[1]], ..whole });
+    for l in model.faces.iter_mut().flat_map(|f| &mut f.loops) {
+        if let Some(k) = l.uses.iter().position(|u| u.edge == i) {
+            let forward = l.uses[k].forward;
+            l.uses.insert(k + usize::from(forward), EdgeUse { edge: second, forward });
+        }
+    }
+    model
+}
+
+#[test]
+fn edges_are_cut_where_those_of_neighbours_end() {
+    let whole = plate();
+    let part = torn(&whole);
+    // Each edge in turn, straight ones and full circles.
+    for i in 0..part.edges.len() {
+        let mut part = halved(part.clone(), i);
+        let sewn = sew(&mut part, 1e-6);
+        assert_eq!((sewn.n_cuts, sewn.n_edges), (1, whole.edges.len() + 1), "edge {i}");
+        assert!(is_closed(&part), "edge {i}");
+        let mesh = crate::mesh_model(&part, &crate::ModelOptions::default());
+        assert!(mesh.failures.is_empty(), "edge {i}: {:?}", mesh.failures);
+        assert_eq!(mesh.n_free_sides, 0, "edge {i}");
+    }
+}
+
+#[test]
+fn points_of_the_tolerance_leave_their_loops() {
+    // A side a tenth of the tolerance long.
+    let mut m = plate();
+    let whole = m.edges[0].clone();
+    let [a, b] = whole.range;
+    let near = a + (b - a) * 1e-7 / whole.length();
+    let v = m.add_vertex(whole.curve.eval(near).point);
+    m.edges[0] = Edge { range: [near, b], ends: [v, whole.ends[1]], ..whole.clone() };
+    let tiny = m.add_edge(Edge { range: [a, near], ends: [whole.ends[0], v], ..whole });
+    for l in m.faces.iter_mut().flat_map(|f| &mut f.loops) {
+        if let Some(k) = l.uses.iter().position(|u| u.edge == 0) {
+            let forward = l.uses[k].forward;
+            l.uses.insert(k + usize::from(!forward), EdgeUse { edge: tiny, forward });
+        }
+    }
+    let n: usize = m.faces.iter().flat_map(|f| &f.loops).map(|l| l.uses.len()).sum();
+    sew(&mut m, 1e-6);
+    assert_eq!(m.faces.iter().flat_map(|f| &f.loops).map(|l| l.uses.len()).sum::<usize>(), n - 2);
+    assert!(is_closed(&m));
+}
+
+#[test]
+fn slivers_are_left_out_and_their_neighbours_meet() {
+    // Three rectangles in a row, the one in the middle 1e-4 wide.
+    let mut m = Model::default();
+    let x = [0.0, 1.0, 1.0001, 2.0];
+    let at = |m: &mut Model, k: usize, y: f64| m.add_vertex(DVec3::new(x[k], y, 0.0));
+    for k in 0..3 {
+        let corners =
+            [at(&mut m, k, 0.0), at(&mut m, k + 1, 0.0), at(&mut m, k + 1, 1.0), at(&mut m, k, 1.0)];
+        let uses = (0..4)
+            .map(|i| EdgeUse {
+                edge: m.add_line(corners[i], corners[(i + 1) % 4]).expect("two points"),
+                forward: true,
+            })
+            .collect();
+        let shape = FaceShape::Surface(Surface::Plane(Frame::WORLD), true);
+        m.add_face(Face {
+            name: String::new(),
+            shape,
+            loops: vec![Loop { uses, vertex: None }],
+            color: None,
+        });
+    }
+    m.bodies.push(Body { name: "row".into(), faces: vec![0, 1, 2], solid: false });
+    let mut fine = m.clone();
+    assert!(sew(&mut fine, 1e-6).slivers.is_empty());
+    assert_eq!((fine.faces.len(), fine.free_edges().count()), (3, 8));
+    let sewn = sew(&mut m, 1e-3);
+    assert_eq!(sewn.slivers, ["face2"]);
+    assert_eq!((m.faces.len(), m.free_edges().count()), (2, 6));
+    assert_eq!(m.bodies[0].faces, [0, 1]);
+}
+
+#[test]
+fn what_a_wider_tolerance_closes_is_sewn_by_it() {
+    let whole = plate();
+    let mut part = torn(&whole);
+    let off = 3e-6 * whole.diagonal();
+    let motion = Motion { to: Frame { origin: DVec3::splat(off), ..Frame::WORLD } };
+    for u in part.faces[0].loops.iter().flat_map(|l| &l.uses) {
+        let e = &mut part.edges[u.edge];
+        e.curve = e.curve.moved(&motion);
+        for (k, v) in e.ends.into_iter().enumerate() {
+            part.vertices[v].point = e.at(k as f64).point;
+        }
+    }
+    let mut sheet = part.clone();
+    let sewn = sew_closed(&mut part);
+    assert!(is_closed(&part) && sewn.tolerance > off, "{sewn:?}");
+    // With another face missing nothing closes it.
+    sheet.faces.pop();
+    let sewn = sew_closed(&mut sheet);
+    assert!(sewn.tolerance < off && sheet.free_edges().count() > 4, "{sewn:?}");
 }
 
 #[test]
@@ -59,7 +172,7 @@ fn different_courses_are_not_sewn() {
         let shape = FaceShape::Surface(Surface::Plane(Frame::WORLD), true);
         m.add_face(Face { name: String::new(), shape, loops: vec![l], color: None });
     }
-    assert_eq!(sew(&mut m, 1e-6), 0);
+    assert_eq!(sew(&mut m, 1e-6), Sewn { tolerance: 1e-6, ..Sewn::default() });
 }
 
 #[test]
