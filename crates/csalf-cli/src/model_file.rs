@@ -61,6 +61,10 @@ pub fn read(bytes: &[u8], format: &str, shown: &str, name: &str, how: Reading) -
         None => csalf_model::sew_closed(&mut model),
     };
     model.notes.extend(told(&sewn, &model));
+    let n_turned = csalf_model::turn_alike(&mut model);
+    if n_turned > 0 {
+        model.notes.push(format!("{n_turned} faces were turned round, to agree with their neighbours"));
+    }
     let report = csalf_model::check_and_snap(&mut model);
     model.notes.extend(report.messages);
     Ok(model)

@@ -22,7 +22,7 @@ pub mod shapes;
 pub mod shard;
 mod stitch;
 
-pub use brep::{Model, Sewn, check_and_snap, sew, sew_closed};
+pub use brep::{Model, Sewn, check_and_snap, sew, sew_closed, turn_alike};
 pub use csalf_surface::{LayerLaw, LayerSpec};
 pub use mesh::{ModelOptions, NamedLoop, Prepared, mesh_model, named_loops};
 pub use middles::Shapes;

@@ -13,11 +13,13 @@ mod features;
 mod sew;
 #[cfg(test)]
 mod tests;
+mod turn;
 
 pub use check::{CheckReport, check_and_snap};
 pub(crate) use features::outer_loop;
 pub use features::{HoleShape, LoopFeature, loop_features};
 pub use sew::{Sewn, sew, sew_closed};
+pub use turn::turn_alike;
 
 use crate::geometry::{Curve, Motion, Surface};
 use glam::DVec3;

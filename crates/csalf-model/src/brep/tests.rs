@@ -150,6 +150,39 @@ fn what_a_wider_tolerance_closes_is_sewn_by_it() {
     assert!(sewn.tolerance < off && sheet.free_edges().count() > 4, "{sewn:?}");
 }
 
+/// The model with faces turned round.
+fn turned(mut model: Model, which: impl Fn(usize) -> bool) -> Model {
+    for (_, face) in model.faces.iter_mut().enumerate().filter(|(f, _)| which(*f)) {
+        let FaceShape::Surface(_, forward) = &mut face.shape else { panic!("a surface") };
+        *forward = !*forward;
+        for l in &mut face.loops {
+            l.uses.reverse();
+            l.uses.iter_mut().for_each(|u| u.forward = !u.forward);
+        }
+    }
+    model
+}
+
+#[test]
+fn faces_are_turned_to_agree() {
+    let whole = plate();
+    let n = whole.faces.len();
+    for which in [0b1_u32, 0b10, 0b101, 0b11_1110, (1 << n) - 2] {
+        let mut part = turned(torn(&whole), |f| which >> f & 1 == 1);
+        sew(&mut part, 1e-6);
+        // As it was drawn, outside out, however many are the other way round.
+        assert_eq!(turn_alike(&mut part), which.count_ones() as usize, "{which:b}");
+        assert!(is_closed(&part), "{which:b}");
+        let shapes = |m: &Model| m.faces.iter().map(|f| f.shape.clone()).collect::<Vec<_>>();
+        assert_eq!(shapes(&part), shapes(&whole), "{which:b}");
+        assert_eq!(turn_alike(&mut part), 0);
+    }
+    // Of an open one the fewer are turned.
+    let mut open = turned(whole, |f| f > 1);
+    open.faces.pop();
+    assert_eq!(turn_alike(&mut open), 2);
+}
+
 #[test]
 fn different_courses_are_not_sewn() {
     // Two half circles between the same two points, and the chord.
