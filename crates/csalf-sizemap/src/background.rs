@@ -80,8 +80,8 @@ pub struct Background {
     low: Point2,
     high: Point2,
     range: (f64, f64),
-    /// Per cell a triangle near its centre, to start walks from: no result depends on it.
-    cells: Vec<u32>,
+    /// Per cell a triangle near its centre, to start walks from: no result depends on it. Made when it is first asked.
+    cells: OnceLock<Vec<u32>>,
     columns: u32,
     rows: u32,
     /// Cells per (scaled) unit length.
@@ -140,7 +140,7 @@ impl Background {
         {
             return found;
         }
-        if let Some(found) = self.walk(self.cells[self.cell(p)], p, GRID_STEPS) {
+        if let Some(found) = self.walk(self.cells()[self.cell(p)], p, GRID_STEPS) {
             return found;
         }
         self.locate_by_tree(p)

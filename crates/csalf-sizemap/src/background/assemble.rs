@@ -9,14 +9,12 @@ use rstar::RTree;
 use rstar::primitives::GeomWithData;
 use std::sync::OnceLock;
 
-/// Grid cells per triangle. More: shorter walks, more memory (4 bytes each) and time to fill them (20 ns each).
+/// Grid cells per triangle. More: shorter walks, more memory (4 bytes each) and time to fill them.
 const CELLS_PER_TRIANGLE: usize = 2;
 /// Of few triangles, which are those of a boundary and large, up to this many cells.
 const FEW_CELLS: usize = 1 << 14;
 /// But not more than these per triangle.
 const MOST_CELLS_PER_TRIANGLE: usize = 8;
-/// Steps of the walks that fill the grid.
-const FILL_STEPS: usize = 256;
 
 impl Background {
     /// Constrained Delaunay triangulation of `points` with `values`; `loops` are closed lists of point indices
@@ -125,31 +123,58 @@ impl Background {
             low,
             high,
             range: (0.0, 0.0),
-            cells: Vec::new(),
+            cells: OnceLock::new(),
             columns,
             rows,
             per_unit: Point2::splat(1.0 / cell),
             centroids: OnceLock::new(),
             rim: OnceLock::new(),
         };
-        out.cells = out.starts();
         out.settle();
         Ok(out)
     }
 
-    /// The owner of the centre of each cell, row by row there and back, so that each walk starts next to its end.
+    /// See the field; filled by [`Self::starts`].
+    pub(super) fn cells(&self) -> &[u32] {
+        self.cells.get_or_init(|| self.starts())
+    }
+
+    /// The owner of the centre of each cell, but for rounding; of cells off the hull that of one nearby. Each triangle fills
+    /// the stretches of cells that it covers, row by row. Cost: the cells, and the triangles with the rows of each.
     fn starts(&self) -> Vec<u32> {
         let (columns, rows) = (self.columns as usize, self.rows as usize);
-        let mut cells = vec![0; columns * rows];
-        let mut t = 0;
-        for j in 0..rows {
-            for i in 0..columns {
-                let i = if j % 2 == 0 { i } else { columns - 1 - i };
-                let centre = self.low + Point2::new(i as f64 + 0.5, j as f64 + 0.5) / self.per_unit;
-                // A walk that runs in circles ends somewhere; the grid is a start only.
-                t = self.walk(t, centre, FILL_STEPS).map_or(t, |found| found.0);
-                cells[j * columns + i] = t;
+        let mut cells = vec![NONE; columns * rows];
+        for (t, triangle) in (0..).zip(&self.triangles) {
+            // In cells, from the first centre on.
+            let p = triangle.p.map(|p| (p - self.low) * self.per_unit - Point2::splat(0.5));
+            let ys = p.map(|p| p.y);
+            let (bottom, top) = (ys[0].min(ys[1]).min(ys[2]), ys[0].max(ys[1]).max(ys[2]));
+            for j in (bottom.ceil().max(0.0) as usize)..=(top.floor().max(-1.0) + 1.0) as usize {
+                let y = j as f64;
+                if y > top || j >= rows {
+                    break;
+                }
+                let (mut left, mut right) = (f64::INFINITY, f64::NEG_INFINITY);
+                for k in 0..3 {
+                    let (a, b) = (p[k], p[(k + 1) % 3]);
+                    if (a.y <= y) != (b.y <= y) {
+                        let x = a.x + (y - a.y) / (b.y - a.y) * (b.x - a.x);
+                        (left, right) = (left.min(x), right.max(x));
+                    }
+                }
+                let (from, to) = (left.ceil().max(0.0), right.floor().min(columns as f64 - 1.0));
+                if from <= to {
+                    cells[j * columns + from as usize..=j * columns + to as usize].fill(t);
+                }
             }
+        }
+        // What is off the hull: as the cell before, or the row before.
+        let mut last = 0;
+        for cell in &mut cells {
+            if *cell == NONE {
+                *cell = last;
+            }
+            last = *cell;
         }
         cells
     }
