@@ -157,6 +157,12 @@ fn size_field(
         job.domain.points.iter().filter_map(|p| p.size.map(|h| (p.xy, h))).collect();
     let extras = Extras { hard_points: &hard, gradation: options.gradation };
     let field = csalf_sizemap::build(&job.size, &loops, &extras, arrangement.tolerance)?;
+    let scars: Vec<Vec<Point2>> = arrangement
+        .scars
+        .iter()
+        .map(|s| s.iter().map(|&v| arrangement.points[v as usize]).collect())
+        .collect();
+    let field = csalf_sizemap::near_fine(field, &loops, &scars, options.gradation)?;
     // Sizes of the boundary itself suit it, unless fine parts of it lower them on others.
     match (&job.size, options.gradation) {
         (SizeSpec::Boundary, None) => Ok(field),
