@@ -330,8 +330,8 @@ impl SizeField for Background {
             return self.outside(p.clamp(self.low - size, self.high + size));
         }
         // Hint 0 is a new one; k + 1 stands for triangle k.
-        let (t, place) = self.locate(p, hint.0.wrapping_sub(1));
-        hint.0 = t.wrapping_add(1);
+        let (t, place) = self.locate(p, hint.owner.wrapping_sub(1));
+        hint.owner = t.wrapping_add(1);
         match place {
             Place::In(t, o) => self.value(t, o, p),
             Place::OffHull => self.outside(p),

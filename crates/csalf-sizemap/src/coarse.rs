@@ -95,7 +95,7 @@ impl<B: SizeField> SizeField for NearCoarse<B> {
         let room = |[a, b]: [Point2; 2]| SHARE * a.distance(b) - SLOPE * distance(p, a, b);
         let near = self.segments.locate_all_at_point(p.to_array());
         let wanted = near.fold(h, |most, s| most.max(room(s.data)));
-        if wanted > h { h.max(wanted.min(self.boundary.h(p, &mut Hint::default()))) } else { h }
+        if wanted > h { h.max(wanted.min(hint.second(|hint| self.boundary.h(p, hint)))) } else { h }
     }
 
     fn range(&self) -> (f64, f64) {

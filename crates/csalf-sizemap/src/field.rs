@@ -5,7 +5,22 @@ use csalf_geom::Point2;
 /// Remembers where the last query ended (the owner triangle), so that the next one nearby is cheap. A hint never
 /// changes a result. One hint serves one field.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Hint(pub u32);
+pub struct Hint {
+    /// The owner.
+    pub(crate) owner: u32,
+    /// The owner in the second mesh of a field that asks two.
+    pub(crate) second: u32,
+}
+
+impl Hint {
+    /// What `query` gives for the second mesh of a field.
+    pub(crate) fn second<R>(&mut self, query: impl FnOnce(&mut Self) -> R) -> R {
+        let mut hint = Self { owner: self.second, second: 0 };
+        let found = query(&mut hint);
+        self.second = hint.owner;
+        found
+    }
+}
 
 /// The wanted edge length h over the plane (the paper's grading g, eq. 18).
 ///

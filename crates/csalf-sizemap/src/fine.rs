@@ -79,8 +79,8 @@ fn open_node_sizes(nodes: &[Point2]) -> Vec<f64> {
 
 impl SizeField for NearFine {
     fn h(&self, p: Point2, hint: &mut Hint) -> f64 {
-        let h = self.base.h(p, &mut Hint::default());
-        if p.is_finite() { h.min(self.fine.h(p, hint)) } else { h }
+        let h = self.base.h(p, hint);
+        if p.is_finite() { h.min(hint.second(|hint| self.fine.h(p, hint))) } else { h }
     }
 
     fn range(&self) -> (f64, f64) {

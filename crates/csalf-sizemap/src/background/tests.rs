@@ -153,7 +153,7 @@ proptest! {
             prop_assert!(want >= b.range().0 && want <= b.range().1);
             prop_assert_eq!(b.h(q, &mut history).to_bits(), want.to_bits());
             for start in 0..b.triangles.len() as u32 + 2 {
-                prop_assert_eq!(b.h(q, &mut Hint(start)).to_bits(), want.to_bits(), "at {} from {}", q, start);
+                prop_assert_eq!(b.h(q, &mut Hint { owner: start, ..Hint::default() }).to_bits(), want.to_bits(), "at {} from {}", q, start);
             }
             // The last resort finds the same.
             let s = q * b.scale;
