@@ -11,7 +11,7 @@
 //!    L-BFGS lowers it, eps follows the smallest corner Jacobian.
 //! 3. A region is taken over when fewer of its quads are bad and none that was not before; otherwise it keeps its old
 //!    positions.
-//! 4. What is still bad is tried again with 8 rings, unless that makes a region too large for it.
+//! 4. What is still bad is tried again with 8 rings. Regions that are too large for the budget are left to mending.
 //!
 //! Regions share no quad and are solved in parallel; the result does not depend on it.
 //! Source: handbook 7.4; V. Garanzha et al., *Foldover-free maps in 50 lines of code*, ACM TOG 40 (2021).
@@ -44,12 +44,12 @@ impl Effort {
     pub(crate) const TRIAL: Self = Self { rings: &[8], outer: 8, patience: 2, inner: 40 };
 }
 
-/// Most evaluations of the energy of a region, times its quads: some tenths of a second. Regions of more than some thousand quads
-/// are cut short; smaller ones end by [`Effort`]. Larger: some more of them come free.
+/// Most evaluations of the energy of a region, times its quads: some tenths of a second. See [`LEAST`];
+/// smaller regions end by [`Effort`]. Larger: some more of them come free.
 const WORK: usize = 4_000_000;
 
-/// Regions that [`WORK`] gives fewer evaluations are not tried with more rings. Smaller: time for regions that are cut short long
-/// before they come free. *Arbitrary.*
+/// Regions that [`WORK`] gives fewer evaluations are not tried. Smaller: time for regions that are cut short long before they come
+/// free. *Arbitrary.*
 const LEAST: usize = 1000;
 
 /// L-BFGS ends when a step lowers the energy by less than this part of it. Smaller: work without effect, as eps
@@ -107,12 +107,12 @@ pub(crate) fn untangle_with(
         return report;
     }
     let mut scratch = Scratch::new(mesh);
-    for (attempt, &rings) in effort.rings.iter().enumerate() {
+    for &rings in effort.rings {
         let free = grow(mesh, topology, fixed, &bad, rings);
         let mut regions: Vec<Region> = components(mesh, topology, &free)
             .iter()
             .map(|free| Region::new(mesh, topology, free, &mut scratch))
-            .filter(|r| (attempt == 0 || r.quads.len() * LEAST <= WORK) && r.min_scaled() <= FLAT)
+            .filter(|r| r.quads.len() * LEAST <= WORK && r.min_scaled() <= FLAT)
             .collect();
         report.n_regions += regions.len();
         let solved: Vec<Solved> =
