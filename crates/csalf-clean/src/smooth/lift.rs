@@ -21,8 +21,8 @@
 //! all corners look well: the second sum keeps sides from it, and µ draws on the others a little. (Sides at one corner
 //! are not compared: in a narrow gap they have to differ, and slanting them would be no better.)
 
-use super::lbfgs;
 use super::region::{Region, Scratch, components, grow};
+use super::{lbfgs, quads_where};
 use csalf_geom::{Point2, VertexId};
 use csalf_mesh::{QuadMesh, QuadTopology};
 use rayon::prelude::*;
@@ -84,7 +84,7 @@ pub(crate) fn lift_by(
         };
         (0..4).any(corner) || (tapers(&p).into_iter().any(|u| u <= EVEN) && !vs.iter().all(|&v| stays(v)))
     };
-    let seeds: Vec<u32> = (0u32..).zip(&mesh.quads).filter(|(_, vs)| is_poor(vs)).map(|(q, _)| q).collect();
+    let seeds = quads_where(mesh, is_poor);
     if seeds.is_empty() {
         return 0;
     }

@@ -247,9 +247,13 @@ fn has_corner_below(p: &[Point2; 4], threshold: f64) -> bool {
 
 /// The quads with a corner of a scaled Jacobian of at most `threshold`, ascending. Cost about 10 ns per quad.
 fn bad_quads(mesh: &QuadMesh, threshold: f64) -> Vec<u32> {
-    let bad = |vs: &[VertexId; 4]| has_corner_below(&vs.map(|v| mesh.points[v.index()]), threshold);
+    quads_where(mesh, |vs| has_corner_below(&vs.map(|v| mesh.points[v.index()]), threshold))
+}
+
+/// The quads that satisfy `wanted`, ascending.
+fn quads_where(mesh: &QuadMesh, wanted: impl Fn(&[VertexId; 4]) -> bool + Sync) -> Vec<u32> {
     let all = |from: usize, quads: &[[VertexId; 4]]| -> Vec<u32> {
-        quads.iter().enumerate().filter(|(_, q)| bad(q)).map(|(i, _)| (from + i) as u32).collect()
+        quads.iter().enumerate().filter(|(_, q)| wanted(q)).map(|(i, _)| (from + i) as u32).collect()
     };
     if mesh.n_quads() < 4 * PARALLEL_FROM {
         return all(0, &mesh.quads);
