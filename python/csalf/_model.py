@@ -39,7 +39,7 @@ class Model:
         .brep or .brp. Facets fall into faces where the normal turns by more than ``feature_angle`` degrees (40).
         Edges within the length ``sewing`` become one; without it 1e-6 of the diagonal, or up to 1e-4 of it if that closes
         the model. Raises ``FormatError``, ``OSError``, ``MissingError`` without Open CASCADE, ``ValueError`` if
-        ``sewing`` is not positive."""
+        ``sewing`` is not positive or more than a hundredth of the diagonal."""
         if sewing is not None and not sewing > 0:
             raise ValueError("sewing: a positive length")
         self._notes: list[str] = []

@@ -178,8 +178,9 @@ def test_faces_on_unknown_surfaces_fail(tmp_path) -> None:
 def test_sewing(block: csalf.ModelMesh) -> None:
     model = csalf.Model(BLOCK, sewing=1e-3)
     assert np.array_equal(csalf.mesh_model(model, size=5, layers={"hole*": 2}).points, block.points)
-    # Wider than the block: all of it is one point.
-    assert not csalf.Model(BLOCK, sewing=1e3).faces
+    # Wider than the block.
+    with pytest.raises(ValueError, match="sewing within 1000"):
+        csalf.Model(BLOCK, sewing=1e3)
     with pytest.raises(ValueError, match="sewing"):
         csalf.Model(BLOCK, sewing=0.0)
 

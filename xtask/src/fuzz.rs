@@ -2,7 +2,7 @@
 //! face must have a mesh or a failure with a reason.
 //!
 //! ```text
-//!   seed ──▶ a sound file ──changed at some places──▶ read, check, sew, mesh ──▶ verdict
+//!   seed ──▶ a sound file ──changed at some places──▶ read, sew, check, mesh ──▶ verdict
 //!            fuzz/files        fuzz/mutate                                       kept in target/fuzz if it is bad
 //! ```
 //!
@@ -17,7 +17,9 @@ use csalf_geom::VertexId;
 use csalf_io::facets::{FacetFormat, read as read_facets};
 use csalf_model::brep::Model;
 use csalf_model::facets::{FacetOptions, model_of_triangles};
-use csalf_model::{ModelMesh, ModelOptions, SizeRules, check_and_snap, mesh_model, sew};
+use csalf_model::{
+    ModelMesh, ModelOptions, SizeRules, check_and_snap, mesh_model, sew, sew_closed, turn_alike,
+};
 use files::Sound;
 use glam::DVec3;
 use mutate::Random;
@@ -28,9 +30,6 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
-
-/// Edges closer than this share of the diagonal are sewn, as the program does.
-const SEWING: f64 = 1e-6;
 
 /// Options of the command.
 #[derive(clap::Args, Debug)]
@@ -185,10 +184,15 @@ fn attempt(name: &str, bytes: &[u8], seed: u64) -> Verdict {
             Ok(m) => m,
             Err(v) => return v,
         };
-        let tolerance = SEWING * model.diagonal();
-        sew(&mut model, tolerance);
-        check_and_snap(&mut model);
         let mut random = Random::new(!seed);
+        // As the program does, now and then within a length that takes parts of the model away.
+        let length = model.diagonal() * 10_f64.powi(-2 - random.below(4) as i32);
+        match random.below(8) {
+            0 => sew(&mut model, length),
+            _ => sew_closed(&mut model),
+        };
+        turn_alike(&mut model);
+        check_and_snap(&mut model);
         // Mostly a share of the model, now and then a length that does not go with it.
         let size = match random.below(20) {
             0 => 8.0_f64.max(model.diagonal() / 500.0),

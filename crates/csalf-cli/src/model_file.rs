@@ -7,6 +7,9 @@ use csalf_model::{Model, Sewn};
 use glam::DVec3;
 use std::path::Path;
 
+/// A sewing length of more than this share of the diagonal is a mistake in the units, and would take parts of the model away.
+const MOST_SEWING: f64 = 0.01;
+
 /// What there is to say of reading a model.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Reading {
@@ -55,6 +58,12 @@ pub fn read(bytes: &[u8], format: &str, shown: &str, name: &str, how: Reading) -
     };
     if model.name.trim().is_empty() {
         model.name = name.to_owned();
+    }
+    let diagonal = model.diagonal();
+    if let Some(sewing) = how.sewing.filter(|s| *s > MOST_SEWING * diagonal) {
+        let message =
+            format!("sewing within {sewing} would join all that is near in a model of {diagonal:.3e} across");
+        return Err(Failure::Usage(format!("{shown}: {message}")));
     }
     let sewn = match how.sewing {
         Some(tolerance) => csalf_model::sew(&mut model, tolerance),
