@@ -35,6 +35,9 @@ const RETRIES: usize = 4;
 /// Faces in more charts than this are meshed once, as are those in one: where heaps of needles end in hundreds of charts,
 /// finer sizes took minutes to fail again (`fuzz-models`, seed 2026).
 const FEW_CHARTS: usize = 64;
+/// Nor are those whose cuts then get more nodes than this: cuts through heaps of needles are long, and as fine as these
+/// (seed 20153: 17 nodes given, 11,700 on cuts, a minute).
+const MOST_ON_CUTS: usize = 2000;
 /// Factor of the sizes from one attempt to the next.
 const FINER: f64 = 0.6;
 /// Most charts of one face.
@@ -95,8 +98,9 @@ pub(crate) fn curved(input: &FaceInput<'_>, options: &Options) -> Result<FaceMes
     let attempts = if (2..=FEW_CHARTS).contains(&pieces.len()) { RETRIES } else { 1 };
     for attempt in 0..attempts {
         match face.mesh(input, options, &pieces, &cut, attempt) {
-            Ok(out) if out.report.quality.n_nonpositive == 0 => return Ok(out),
-            Ok(out) => {
+            Ok(None) => break,
+            Ok(Some(out)) if out.report.quality.n_nonpositive == 0 => return Ok(out),
+            Ok(Some(out)) => {
                 let n = out.report.quality.n_nonpositive;
                 if folded.as_ref().is_none_or(|f| n < f.report.quality.n_nonpositive) {
                     folded = Some(out);
@@ -256,6 +260,7 @@ fn divide(face: &Face, given: Option<&[DVec2]>) -> Result<Option<Atlas>, FaceErr
 }
 
 impl Face {
+    /// Meshes the pieces and puts them together; `None` if a further attempt is not worth it.
     fn mesh(
         &self,
         input: &FaceInput<'_>,
@@ -263,7 +268,7 @@ impl Face {
         pieces: &[Piece],
         cut: &[bool],
         attempt: usize,
-    ) -> Result<FaceMesh, FaceError> {
+    ) -> Result<Option<FaceMesh>, FaceError> {
         let patch = &self.patch;
         let finer = FINER.powi(attempt as i32);
         let nodes = given_nodes(input);
@@ -274,6 +279,9 @@ impl Face {
         let n_real = self.real_segments(input, pieces.iter().map(|p| &p.chart))?;
         let seams =
             place(patch, cut, &self.sizes, &chart_of, self.node_at.clone(), nodes.len(), &n_real, finer)?;
+        if attempt > 0 && seams.anchors.len() > MOST_ON_CUTS {
+            return Ok(None);
+        }
 
         let mut sheet = Sheet::default();
         let ground = Ground { patch, normals: patch.normals(), facets: input.facets, surface: input.surface };
@@ -334,7 +342,7 @@ impl Face {
         r.quality = measure(&sheet.points, &sheet.quads, |v| sheet.normals[v as usize]);
         r.quality.max_deviation = deviation(&sheet, &ground);
         (out.points, out.normals, out.quads, out.nodes) = (sheet.points, sheet.normals, sheet.quads, nodes);
-        Ok(out)
+        Ok(Some(out))
     }
 
     /// The boundary of the facets must be the loops, before any work is done.

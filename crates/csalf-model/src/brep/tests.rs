@@ -184,6 +184,17 @@ fn faces_are_turned_to_agree() {
 }
 
 #[test]
+fn models_of_facets_are_left_alone() {
+    let points = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+    let triangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]];
+    let mut m =
+        crate::facets::model_of_triangles(&points, &triangles, &crate::facets::FacetOptions::default());
+    let before = m.clone();
+    assert_eq!(sew(&mut m, 10.0), Sewn { tolerance: 10.0, ..Sewn::default() });
+    assert_eq!((m.faces.len(), m == before), (4, true));
+}
+
+#[test]
 fn different_courses_are_not_sewn() {
     // Two half circles between the same two points, and the chord.
     let mut m = Model::default();

@@ -15,7 +15,7 @@
 
 mod cut;
 
-use super::{EdgeUse, Face, Model};
+use super::{EdgeUse, Face, FaceShape, Model};
 use glam::DVec3;
 use std::collections::BTreeMap;
 
@@ -68,11 +68,13 @@ pub fn sew_closed(model: &mut Model) -> Sewn {
 
 /// Merges vertices closer than `tolerance` (length) and edges that run within `tolerance` of each other; edges of one face alone
 /// are cut for it where others of that kind end. The model keeps its order; parts of a cut edge are named after it, with
-/// `_2`, `_3`, ... Faces thinner than the tolerance are taken out. Nothing is done for a tolerance that is not positive.
+/// `_2`, `_3`, ... Faces thinner than the tolerance are taken out. Nothing is done for a tolerance that is not positive, nor to
+/// models of facets, which were welded when they were made.
 /// Cost O(n log n).
 pub fn sew(model: &mut Model, tolerance: f64) -> Sewn {
     let mut sewn = Sewn { tolerance, ..Sewn::default() };
-    if tolerance.is_nan() || tolerance <= 0.0 {
+    let has_facets = model.faces.iter().any(|f| matches!(f.shape, FaceShape::Facets(_)));
+    if tolerance.is_nan() || tolerance <= 0.0 || has_facets {
         return sewn;
     }
     let had_sides: Vec<bool> = model.faces.iter().map(has_sides).collect();
