@@ -1,14 +1,14 @@
 //! Patches of a triangulation, and the edges between them.
 //!
 //! ```text
-//!   1. sides that are sharp, or have not exactly two triangles, are features
+//!   1. sides that are sharp, or have not exactly two triangles that run along them in opposite ways, are features
 //!   2. triangles that are connected without crossing a feature are a patch = a face
 //!   3. sides between different patches, or with one, are the edges' segments; vertices stand where the patches beside
 //!      them change, where they branch, and at corners
 //!   4. each patch's loops: from side to side round the boundary, through the triangles of the patch
 //! ```
 
-use super::weld::{Welded, neighbours};
+use super::weld::{Welded, agreeing_neighbours};
 use super::{FacetOptions, Patch};
 use crate::brep::{Body, Edge, EdgeUse, Face, FaceShape, Loop, Model};
 use crate::geometry::{Curve, Polyline};
@@ -16,7 +16,7 @@ use glam::DVec3;
 use std::collections::BTreeMap;
 
 pub(super) fn segment(mesh: &Welded, options: &FacetOptions, model: &mut Model) {
-    let across = neighbours(&mesh.triangles);
+    let across = agreeing_neighbours(&mesh.triangles);
     let (patch, n_patches) = patches(mesh, &across, options);
     let same = |i: usize, k: usize| across[i][k].filter(|j| patch[*j as usize] == patch[i]);
     // Half sides on the boundary of a patch: triangle and side.

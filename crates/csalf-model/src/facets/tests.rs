@@ -67,3 +67,31 @@ fn nothing_is_a_model_without_faces() {
     let m = model_of_triangles(&[DVec3::NAN], &[[0, 0, 7]], &FacetOptions::default());
     assert!(m.faces.is_empty() && m.notes.len() == 1);
 }
+
+/// A strip of `n` squares with half a turn in it.
+fn moebius(n: u32) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+    let at = |i: u32, side: f64| {
+        let turn = std::f64::consts::TAU * f64::from(i) / f64::from(n);
+        let out = 4.0 + side * (0.5 * turn).cos();
+        DVec3::new(out * turn.cos(), out * turn.sin(), side * (0.5 * turn).sin())
+    };
+    let points = (0..n).flat_map(|i| [at(i, -1.0), at(i, 1.0)]).collect();
+    let squares = (0..n).map(|i| {
+        let (a, b) = (2 * i, 2 * i + 1);
+        // The last meets the first upside down.
+        if i + 1 < n { [a, a + 2, b + 2, b] } else { [a, 1, 0, b] }
+    });
+    (points, squares.flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]).collect())
+}
+
+#[test]
+fn a_strip_with_half_a_turn_is_cut_once() {
+    let (points, triangles) = moebius(24);
+    let model = model_of_triangles(&points, &triangles, &FacetOptions::default());
+    assert_eq!(model.faces.len(), 1);
+    assert!(!model.bodies[0].solid);
+    // One loop: both sides of the cut, and the one rim of the strip in two parts.
+    let uses: Vec<usize> = model.edge_uses().iter().map(Vec::len).collect();
+    assert_eq!((model.faces[0].loops.len(), model.faces[0].loops[0].uses.len()), (1, 4), "{uses:?}");
+    assert_eq!(uses.iter().filter(|n| **n == 2).count(), 1, "{uses:?}");
+}

@@ -92,6 +92,24 @@ pub(super) fn neighbours(triangles: &[[u32; 3]]) -> Vec<[Option<u32>; 3]> {
     out
 }
 
+/// [`neighbours`] that run along their side in opposite ways, as those of a surface with two faces do: all but along one chain of
+/// sides of each Möbius strip. Only through these do the triangles at a point follow each other round it.
+pub(super) fn agreeing_neighbours(triangles: &[[u32; 3]]) -> Vec<[Option<u32>; 3]> {
+    let mut out = neighbours(triangles);
+    for (t, across) in triangles.iter().zip(&mut out) {
+        for (k, slot) in across.iter_mut().enumerate() {
+            let back = [t[(k + 1) % 3], t[k]];
+            *slot = slot.filter(|&j| {
+                (0..3).any(|c| {
+                    let u = triangles[j as usize];
+                    [u[c], u[(c + 1) % 3]] == back
+                })
+            });
+        }
+    }
+    out
+}
+
 /// Turns triangles over so that neighbours agree; in each connected part the fewer are turned. Returns how many.
 fn orient(triangles: &mut [[u32; 3]]) -> usize {
     let across = neighbours(triangles);
