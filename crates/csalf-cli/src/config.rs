@@ -70,7 +70,8 @@ pub struct ModelKeys {
     pub per_turn: Option<f64>,
     /// Sides at which the normal turns by more are edges of a model of facets, degrees.
     pub feature_angle: Option<f64>,
-    /// Edges within this distance become one, length; without it 1e-6 of the diagonal, or up to 1e-4 if that closes the model.
+    /// Edges within this distance become one, length; without it 1e-6 of the diagonal, or up to 1e-4 if that closes the
+    /// model.
     pub sewing: Option<f64>,
     /// Sizes of faces by pattern.
     #[serde(default, deserialize_with = "in_order")]

@@ -7,7 +7,8 @@ use csalf_model::{Model, Sewn};
 use glam::DVec3;
 use std::path::Path;
 
-/// A sewing length of more than this share of the diagonal is a mistake in the units, and would take parts of the model away.
+/// A sewing length of more than this share of the diagonal is a mistake in the units, and would take parts of the model
+/// away.
 const MOST_SEWING: f64 = 0.01;
 
 /// What there is to say of reading a model.

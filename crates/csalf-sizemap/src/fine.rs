@@ -6,7 +6,8 @@
 //!       o──o────o──o──o    h'(p) = min(h(p), s + g d),  d the distance from the segment
 //! ```
 //!
-//! The part that is smaller is a background mesh ([`graded`]). Source: none; the counterpart of [`NearCoarse`](crate::NearCoarse).
+//! The part that is smaller is a background mesh ([`graded`]). Source: none; the counterpart of
+//! [`NearCoarse`](crate::NearCoarse).
 
 use crate::build::{DEFAULT_GRADATION, loop_indices, node_sizes};
 use crate::{Background, Hint, SizeError, SizeField, graded};
@@ -17,9 +18,9 @@ use std::sync::Arc;
 /// quads than asked for beside boundaries that quads can follow; larger: needles.
 const FINE: f64 = 2.5;
 
-/// Growth of the wanted length per length beside such nodes, if none is given. 0.5 doubles it every two rows; of 1,200 random
-/// domains with nodes of any distance in fields of any size, the smallest scaled Jacobian is below 0.1 though nothing
-/// forces it in 2.2 % without, 1.7 % at 1, 1.3 % at 0.5.
+/// Growth of the wanted length per length beside such nodes, if none is given. 0.5 doubles it every two rows; of 1,200
+/// random domains with nodes of any distance in fields of any size, the smallest scaled Jacobian is below 0.1 though
+/// nothing forces it in 2.2 % without, 1.7 % at 1, 1.3 % at 0.5.
 const GROWTH: f64 = 0.5;
 
 /// A field, and a smaller one beside fine segments.
@@ -31,7 +32,8 @@ struct NearFine {
 }
 
 /// `base`, lowered beside segments of the loops and of the scars that are short in it, from where it grows by `growth` per length:
-/// by 0.5 if none is given, and by no less than 0.2, which is room enough. `base` itself if there are no such segments. Cost O(n log n) where there are.
+/// by 0.5 if none is given, and by no less than 0.2, which is room enough. `base` itself if there are no such segments.
+/// Cost O(n log n) where there are.
 ///
 /// # Errors
 /// [`SizeError`] of bad loops or a bad growth.

@@ -22,8 +22,8 @@ use csalf_geom::VertexId;
 use csalf_mesh::QuadTopology;
 use glam::DVec2;
 
-/// Sides of facets longer than this share of the wanted length are halved before cuts are made along them. Smaller: maps
-/// of more facets, which cost most of the time (0.7: twice as long on a machined part, for the same quads).
+/// Sides of facets longer than this share of the wanted length are halved before cuts are made along them. Smaller:
+/// maps of more facets, which cost most of the time (0.7: twice as long on a machined part, for the same quads).
 const COARSE: f64 = 1.0;
 /// Most facets after dividing.
 const MAX_FACETS: usize = 60_000;
@@ -32,8 +32,8 @@ const MAX_LEVELS: usize = 6;
 /// Times that a cut face is meshed with smaller sizes, if two pieces between the same seams are but one quad
 /// wide, so that their meshes share more than the seams, or if quads come out folded.
 const RETRIES: usize = 4;
-/// Faces in more charts than this are meshed once, as are those in one: where heaps of needles end in hundreds of charts,
-/// finer sizes took minutes to fail again (`fuzz-models`, seed 2026).
+/// Faces in more charts than this are meshed once, as are those in one: where heaps of needles end in hundreds of
+/// charts, finer sizes took minutes to fail again (`fuzz-models`, seed 2026).
 const FEW_CHARTS: usize = 64;
 /// Nor are those whose cuts then get more nodes than this: cuts through heaps of needles are long, and as fine as these
 /// (seed 20153: 17 nodes given, 11,700 on cuts, a minute).

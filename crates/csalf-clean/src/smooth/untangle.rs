@@ -30,10 +30,11 @@ pub(crate) struct Effort {
     rings: &'static [usize],
     /// Most reductions of eps in one attempt.
     outer: usize,
-    /// A region that has not come closer by a tenth in so many reductions will not come free. Larger: some more regions do,
-    /// at the cost of all that do not. *Arbitrary.*
+    /// A region that has not come closer by a tenth in so many reductions will not come free. Larger: some more regions
+    /// do, at the cost of all that do not. *Arbitrary.*
     patience: usize,
-    /// Most L-BFGS iterations per eps (handbook 7.4: 100 to 300); half as many after each eps that has brought no progress.
+    /// Most L-BFGS iterations per eps (handbook 7.4: 100 to 300); half as many after each eps that has brought no
+    /// progress.
     inner: usize,
 }
 
@@ -48,8 +49,8 @@ impl Effort {
 /// smaller regions end by [`Effort`]. Larger: some more of them come free.
 const WORK: usize = 4_000_000;
 
-/// Regions that [`WORK`] gives fewer evaluations are not tried. Smaller: time for regions that are cut short long before they come
-/// free. *Arbitrary.*
+/// Regions that [`WORK`] gives fewer evaluations are not tried. Smaller: time for regions that are cut short long
+/// before they come free. *Arbitrary.*
 const LEAST: usize = 1000;
 
 /// L-BFGS ends when a step lowers the energy by less than this part of it. Smaller: work without effect, as eps

@@ -1,4 +1,5 @@
-//! Turns faces that are the other way round than their neighbours: such files have normals that point in and out by turns.
+//! Turns faces that are the other way round than their neighbours: such files have normals that point in and out by
+//! turns.
 //!
 //! ```text
 //!   A ──▶──        both run along their edge in the same way:        A ──▶──
@@ -17,8 +18,8 @@ use glam::DVec3;
 /// Points of an edge that are looked at.
 const SAMPLES: u32 = 8;
 
-/// Turns faces so that neighbours agree. Returns how many were turned. Cost O(n), and some dozens of inversions per component with
-/// faces to turn.
+/// Turns faces so that neighbours agree. Returns how many were turned. Cost O(n), and some dozens of inversions per
+/// component with faces to turn.
 pub fn turn_alike(model: &mut Model) -> usize {
     let n = model.faces.len();
     let uses = model.edge_uses();

@@ -92,8 +92,8 @@ pub(super) fn neighbours(triangles: &[[u32; 3]]) -> Vec<[Option<u32>; 3]> {
     out
 }
 
-/// [`neighbours`] that run along their side in opposite ways, as those of a surface with two faces do: all but along one chain of
-/// sides of each Möbius strip. Only through these do the triangles at a point follow each other round it.
+/// [`neighbours`] that run along their side in opposite ways, as those of a surface with two faces do: all but along
+/// one chain of sides of each Möbius strip. Only through these do the triangles at a point follow each other round it.
 pub(super) fn agreeing_neighbours(triangles: &[[u32; 3]]) -> Vec<[Option<u32>; 3]> {
     let mut out = neighbours(triangles);
     for (t, across) in triangles.iter().zip(&mut out) {

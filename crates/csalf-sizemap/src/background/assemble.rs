@@ -139,8 +139,9 @@ impl Background {
         self.cells.get_or_init(|| self.starts())
     }
 
-    /// The owner of the centre of each cell, but for rounding; of cells off the hull that of one nearby. Each triangle fills
-    /// the stretches of cells that it covers, row by row. Cost: the cells, and the triangles with the rows of each.
+    /// The owner of the centre of each cell, but for rounding; of cells off the hull that of one nearby. Each triangle
+    /// fills the stretches of cells that it covers, row by row. Cost: the cells, and the triangles with the rows of
+    /// each.
     fn starts(&self) -> Vec<u32> {
         let (columns, rows) = (self.columns as usize, self.rows as usize);
         let mut cells = vec![NONE; columns * rows];

@@ -22,8 +22,8 @@ use std::collections::BTreeMap;
 /// Points of an edge that are compared.
 const PROBES: u32 = 7;
 
-/// An edge whose ends were merged is a point if it is not longer than so many tolerances, else a closed curve. (A circle of
-/// that diameter is π long.)
+/// An edge whose ends were merged is a point if it is not longer than so many tolerances, else a closed curve. (A
+/// circle of that diameter is π long.)
 const POINT: f64 = 3.0;
 
 /// Tolerances that [`sew_closed`] tries, as shares of the model's diagonal.
@@ -42,9 +42,9 @@ pub struct Sewn {
     pub slivers: Vec<String>,
 }
 
-/// Sews within 1e-6 of the model's diagonal; or, where that leaves edges of one face alone and 1e-5 or 1e-4 leaves none, within
-/// that: a model that a tolerance closes was drawn with it. A sheet has a rim, and stays as near as it was drawn.
-/// Cost: [`sew`], and twice more if the model is open.
+/// Sews within 1e-6 of the model's diagonal; or, where that leaves edges of one face alone and 1e-5 or 1e-4 leaves
+/// none, within that: a model that a tolerance closes was drawn with it. A sheet has a rim, and stays as near as it was
+/// drawn. Cost: [`sew`], and twice more if the model is open.
 pub fn sew_closed(model: &mut Model) -> Sewn {
     let diagonal = model.diagonal();
     let [near, wider @ ..] = SHARES;
@@ -66,11 +66,10 @@ pub fn sew_closed(model: &mut Model) -> Sewn {
     sewn
 }
 
-/// Merges vertices closer than `tolerance` (length) and edges that run within `tolerance` of each other; edges of one face alone
-/// are cut for it where others of that kind end. The model keeps its order; parts of a cut edge are named after it, with
-/// `_2`, `_3`, ... Faces thinner than the tolerance are taken out. Nothing is done for a tolerance that is not positive, nor to
-/// models of facets, which were welded when they were made.
-/// Cost O(n log n).
+/// Merges vertices closer than `tolerance` (length) and edges that run within `tolerance` of each other; edges of one
+/// face alone are cut for it where others of that kind end. The model keeps its order; parts of a cut edge are named
+/// after it, with `_2`, `_3`, ... Faces thinner than the tolerance are taken out. Nothing is done for a tolerance that
+/// is not positive, nor to models of facets, which were welded when they were made. Cost O(n log n).
 pub fn sew(model: &mut Model, tolerance: f64) -> Sewn {
     let mut sewn = Sewn { tolerance, ..Sewn::default() };
     let has_facets = model.faces.iter().any(|f| matches!(f.shape, FaceShape::Facets(_)));
@@ -103,8 +102,8 @@ pub fn sew(model: &mut Model, tolerance: f64) -> Sewn {
     sewn
 }
 
-/// False for a face whose loops run along each of their edges as often one way as the other: it has no area, or is closed in
-/// itself.
+/// False for a face whose loops run along each of their edges as often one way as the other: it has no area, or is
+/// closed in itself.
 fn has_sides(face: &Face) -> bool {
     let mut balance: BTreeMap<usize, i32> = BTreeMap::new();
     for u in face.loops.iter().flat_map(|l| &l.uses) {
