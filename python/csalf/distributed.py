@@ -42,10 +42,14 @@ class Task:
     shown: str
     name: str
     format: str | None
+    feature_angle: float | None
+    sewing: float | None
     wish: Wish
 
     def plan(self) -> _csalf.Plan:
-        model = _csalf.Model.from_bytes(self.data, self.shown, self.name, self.format, None)
+        model = _csalf.Model.from_bytes(
+            self.data, self.shown, self.name, self.format, self.feature_angle, self.sewing
+        )
         return model.plan(self.wish)
 
 
@@ -58,6 +62,8 @@ def mesh_model(
     threads: int = 1,
     retries: int = 2,
     format: str | None = None,
+    feature_angle: float | None = None,
+    sewing: float | None = None,
     partial: bool = False,
     progress: Callable[[int, int], object] | None = None,
     **wish: Any,
@@ -67,7 +73,8 @@ def mesh_model(
     ``parts`` is the number of tasks (by default four per thread of the cluster, at most one per face), ``threads`` the
     number of threads in each. A task whose worker is lost goes to another one; one that raises is tried ``retries``
     times more. ``progress`` is called with the number of finished parts and of all; ``False`` ends the run with
-    ``Cancelled``. All other arguments, and the exceptions, are those of ``csalf.mesh_model``.
+    ``Cancelled``. ``format``, ``feature_angle`` and ``sewing`` are those of ``csalf.Model``; all other arguments, and the
+    exceptions, those of ``csalf.mesh_model``.
     """
     from distributed import as_completed, get_client
 
@@ -80,7 +87,7 @@ def mesh_model(
     else:
         with open(path, "rb") as file:
             data = file.read()
-    task = Task(data, path, _cad.stem(path), format, Wish(**wish))
+    task = Task(data, path, _cad.stem(path), format, feature_angle, sewing, Wish(**wish))
     plan = task.plan()
     if parts is None:
         parts = PARTS_PER_WORKER * max(1, sum(client.nthreads().values()))
