@@ -129,6 +129,29 @@ fn slivers_are_left_out_and_their_neighbours_meet() {
 }
 
 #[test]
+fn a_whole_sphere_is_no_sliver() {
+    // Its seam is two edges with vertices of their own, as in IGES.
+    let mut m = Model::default();
+    let frame = Frame { origin: DVec3::ZERO, x: DVec3::X, y: DVec3::Z, z: -DVec3::Y };
+    let uses = [true, false].map(|forward| {
+        let ends = [m.add_vertex(-DVec3::Z), m.add_vertex(DVec3::Z)];
+        let curve = Curve::circle(frame, 1.0);
+        let range = [-FRAC_PI_2, FRAC_PI_2];
+        EdgeUse {
+            edge: m.add_edge(Edge { name: String::new(), curve, range, ends, tolerance: 0.0 }),
+            forward,
+        }
+    });
+    let shape = FaceShape::Surface(Surface::Sphere { frame: Frame::WORLD, radius: 1.0 }, true);
+    let l = Loop { uses: uses.to_vec(), vertex: None };
+    m.add_face(Face { name: String::new(), shape, loops: vec![l], color: None });
+    let sewn = sew(&mut m, 1e-6);
+    assert_eq!((sewn.n_edges, sewn.slivers.len(), m.faces.len()), (1, 0, 1));
+    let mesh = crate::mesh_model(&m, &crate::ModelOptions::default());
+    assert!(mesh.failures.is_empty() && mesh.n_free_sides == 0, "{:?}", mesh.failures);
+}
+
+#[test]
 fn what_a_wider_tolerance_closes_is_sewn_by_it() {
     let whole = plate();
     let mut part = torn(&whole);

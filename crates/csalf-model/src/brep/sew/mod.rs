@@ -10,8 +10,8 @@
 //!    that goes nowhere in between, leaves its loops;
 //! 2. cut edges of one face alone where such edges of others end ([`cut`]);
 //! 3. group edges by their ends; compare courses, both ways round; closed edges only where their vertices agree;
-//! 4. faces whose loops are now nothing but edges there and back are slivers thinner than the tolerance: they are left
-//!    out, and their neighbours meet.
+//! 4. faces whose loops are now nothing but edges there and back, on surfaces that do not close in themselves (whose
+//!    seams are such edges), are slivers thinner than the tolerance: they are left out, and their neighbours meet.
 
 mod cut;
 
@@ -97,7 +97,8 @@ pub fn sew(model: &mut Model, tolerance: f64) -> Sewn {
             *u = EdgeUse { edge, forward: u.forward == same };
         }
     }
-    let gone: Vec<bool> = model.faces.iter().zip(had_sides).map(|(f, had)| had && !has_sides(f)).collect();
+    let is_sliver = |(f, had): (&Face, bool)| had && !has_sides(f) && !may_close(&f.shape);
+    let gone: Vec<bool> = model.faces.iter().zip(had_sides).map(is_sliver).collect();
     sewn.slivers = take_out(model, &gone);
     sewn
 }
@@ -110,6 +111,14 @@ fn has_sides(face: &Face) -> bool {
         *balance.entry(u.edge).or_default() += if u.forward { 1 } else { -1 };
     }
     balance.values().any(|&b| b != 0)
+}
+
+/// True if a face of this shape may have an area within its seams alone.
+fn may_close(shape: &FaceShape) -> bool {
+    match shape {
+        FaceShape::Surface(s, _) => s.periods().iter().any(Option::is_some),
+        FaceShape::Facets(_) | FaceShape::Unread => true,
+    }
 }
 
 /// Takes faces out of the model and its bodies; returns their names.
