@@ -12,6 +12,9 @@ use crate::facets::Patch;
 use csalf_surface::{FaceInput, FaceLoop, FaceSize, Facets, mesh_face};
 use std::collections::BTreeMap;
 
+/// A triangle whose area is this share of the square of a side is a line, with rounding.
+const NO_AREA: f64 = 1e-12;
+
 pub(super) fn mesh_patch(
     cx: &Context<'_>,
     index: usize,
@@ -19,6 +22,13 @@ pub(super) fn mesh_patch(
     hard: &[Hard],
 ) -> Result<MeshedFace, String> {
     let face = &cx.model.faces[index];
+    let has_area = |t: &[u32; 3]| {
+        let [a, b, c] = t.map(|v| patch.points[v as usize]);
+        (b - a).cross(c - a).length() > NO_AREA * a.distance(b).max(b.distance(c)).powi(2)
+    };
+    if !patch.triangles.iter().any(has_area) {
+        return Err("its facets have no area".into());
+    }
     let mut facets = Facets { points: patch.points.clone(), triangles: patch.triangles.clone() };
     let (spots, hard) = add_points(&mut facets, patch, hard);
     let mut names: Vec<Option<NodeName>> = vec![None; facets.points.len()];

@@ -95,3 +95,13 @@ fn a_strip_with_half_a_turn_is_cut_once() {
     assert_eq!((model.faces[0].loops.len(), model.faces[0].loops[0].uses.len()), (1, 4), "{uses:?}");
     assert_eq!(uses.iter().filter(|n| **n == 2).count(), 1, "{uses:?}");
 }
+
+#[test]
+fn a_face_without_area_fails_with_the_reason() {
+    let points = [DVec3::ZERO, DVec3::X, 2.0 * DVec3::X];
+    let model = model_of_triangles(&points, &[[0, 1, 2]], &FacetOptions::default());
+    let mesh = crate::mesh_model(&model, &crate::ModelOptions::default());
+    assert!(mesh.mesh.quads.is_empty() && model.faces.len() == mesh.failures.len());
+    assert!(mesh.failures.iter().all(|f| f.message.contains("no area")), "{:?}", mesh.failures);
+    assert_eq!(mesh.failures.len(), 1);
+}
