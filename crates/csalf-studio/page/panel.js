@@ -13,6 +13,7 @@ function positive(field) {
 }
 /** A sentence of the engine with its long numbers cut to six digits. */
 const brief = (text) => text.replace(/-?\d+\.\d{5,}(e-?\d+)?/g, (x) => String(Number(Number(x).toPrecision(6))));
+const layers = (n) => `${n} layer${n === 1 ? "" : "s"}`;
 function button(texts, title, action) {
   const b = document.createElement("button"), li = document.createElement("li");
   for (const text of texts) { const span = document.createElement("span"); span.textContent = text; b.append(span); }
@@ -117,7 +118,7 @@ export class Panel {
     if (source) { put("source-h", source.h); put("source-radius", source.radius); put("source-falloff", source.falloff); }
     $("loops-section").hidden = model.isEmpty;
     $("loops").replaceChildren(...model.doc.job.loops.map((l) => {
-      const spec = model.layersOf(l.name), li = button([l.name, spec ? `${spec.count ?? spec.thicknesses?.length} layers` : ""], "select", () => model.select({ loop: l.name }));
+      const spec = model.layersOf(l.name), li = button([l.name, spec ? layers(spec.count ?? spec.thicknesses?.length) : ""], "select", () => model.select({ loop: l.name }));
       li.firstChild.setAttribute("aria-current", String(l.name === s?.loop));
       return li;
     }));
@@ -126,8 +127,8 @@ export class Panel {
   /** What became of the layers of the selected loop. */
   made() {
     const name = this.model.selected?.loop, l = this.view.reply?.layers?.find((l) => l.name === name);
-    $("made").textContent = !l ? "" : l.made < l.asked ? `${l.made} of ${l.asked} layers made${l.stopped && `: ${l.stopped}`}`
-      : l.asked ? `${l.made} layers made, thickness within ${(100 * l.thickness_error).toFixed(2)} %` : "no layers";
+    $("made").textContent = !l ? "" : l.made < l.asked ? `${l.made} of ${layers(l.asked)} made${l.stopped && `: ${l.stopped}`}`
+      : l.asked ? `${layers(l.made)} made, thickness within ${(100 * l.thickness_error).toFixed(2)} %` : "no layers";
     $("made").className = l && l.made < l.asked ? "less" : "";
   }
 
