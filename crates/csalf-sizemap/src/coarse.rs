@@ -106,15 +106,10 @@ impl<B: SizeField> SizeField for NearCoarse<B> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Uniform;
+    use crate::{Uniform, test_loops};
 
     fn square(n: usize) -> Vec<Point2> {
-        let corners = [(0., 0.), (8., 0.), (8., 8.), (0., 8.)].map(Point2::from);
-        let side = |k: usize| {
-            let (a, b) = (corners[k], corners[(k + 1) % 4]);
-            (0..n).map(move |i| a.lerp(b, i as f64 / n as f64))
-        };
-        (0..4).flat_map(side).collect()
+        test_loops::square(8.0, [n; 4])
     }
 
     #[test]

@@ -31,9 +31,9 @@ struct NearFine {
     range: (f64, f64),
 }
 
-/// `base`, lowered beside segments of the loops and of the scars that are short in it, from where it grows by `growth` per length:
-/// by 0.5 if none is given, and by no less than 0.2, which is room enough. `base` itself if there are no such segments.
-/// Cost O(n log n) where there are.
+/// `base`, lowered beside segments of the loops and of the scars that are short in it, from where it grows by `growth`
+/// per length: by 0.5 if none is given, and by no less than 0.2, which is room enough. `base` itself if there are no
+/// such segments. Cost O(n log n) where there are.
 ///
 /// # Errors
 /// [`SizeError`] of bad loops or a bad growth.
@@ -93,16 +93,11 @@ impl SizeField for NearFine {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Uniform;
+    use crate::{Uniform, test_loops};
 
-    /// A square of side 8, its lower side in `n` segments, the others in 4.
+    /// Its lower side in `n` segments.
     fn square(n: usize) -> Vec<Point2> {
-        let corners = [(0., 0.), (8., 0.), (8., 8.), (0., 8.)].map(Point2::from);
-        let side = |k: usize| {
-            let (a, b, n) = (corners[k], corners[(k + 1) % 4], if k == 0 { n } else { 4 });
-            (0..n).map(move |i| a.lerp(b, i as f64 / n as f64))
-        };
-        (0..4).flat_map(side).collect()
+        test_loops::square(8.0, [n, 4, 4, 4])
     }
 
     #[test]

@@ -157,7 +157,7 @@ pub fn graded(
 mod tests {
     use super::*;
     use crate::build::{loop_indices, of_boundary};
-    use crate::{Source, Sources, Uniform};
+    use crate::{Source, Sources, Uniform, test_loops};
     use proptest::prelude::*;
 
     fn p(x: f64, y: f64) -> Point2 {
@@ -165,15 +165,7 @@ mod tests {
     }
 
     fn square(n: usize) -> Vec<Point2> {
-        let at = |k: usize| k as f64 / n as f64;
-        (0..4 * n)
-            .map(|i| match (i / n, at(i % n)) {
-                (0, t) => p(t, 0.0),
-                (1, t) => p(1.0, t),
-                (2, t) => p(1.0 - t, 1.0),
-                (_, t) => p(0.0, 1.0 - t),
-            })
-            .collect()
+        test_loops::square(1.0, [n; 4])
     }
 
     #[test]

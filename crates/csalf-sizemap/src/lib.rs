@@ -15,6 +15,8 @@ pub mod gradation;
 pub mod line;
 pub mod sources;
 pub mod spec;
+#[cfg(test)]
+mod test_loops;
 mod triangulate;
 pub mod uniform;
 

@@ -150,11 +150,9 @@ impl Background {
             let p = triangle.p.map(|p| (p - self.low) * self.per_unit - Point2::splat(0.5));
             let ys = p.map(|p| p.y);
             let (bottom, top) = (ys[0].min(ys[1]).min(ys[2]), ys[0].max(ys[1]).max(ys[2]));
-            for j in (bottom.ceil().max(0.0) as usize)..=(top.floor().max(-1.0) + 1.0) as usize {
+            let after = ((top.floor() + 1.0).max(0.0) as usize).min(rows);
+            for j in bottom.ceil().max(0.0) as usize..after {
                 let y = j as f64;
-                if y > top || j >= rows {
-                    break;
-                }
                 let (mut left, mut right) = (f64::INFINITY, f64::NEG_INFINITY);
                 for k in 0..3 {
                     let (a, b) = (p[k], p[(k + 1) % 3]);
