@@ -54,9 +54,14 @@ pub struct Edge {
 }
 
 impl Edge {
+    /// The parameter at share `s` (0 to 1) of the range.
+    pub fn parameter(&self, s: f64) -> f64 {
+        self.range[0] + (self.range[1] - self.range[0]) * s
+    }
+
     /// The point at share `s` (0 to 1) of the range.
     pub fn at(&self, s: f64) -> crate::geometry::CurvePoint {
-        self.curve.eval(self.range[0] + (self.range[1] - self.range[0]) * s)
+        self.curve.eval(self.parameter(s))
     }
 
     /// True if it starts and ends at one vertex.

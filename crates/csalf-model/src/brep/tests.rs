@@ -41,13 +41,13 @@ fn is_closed(model: &Model) -> bool {
     model.edge_uses().iter().all(|u| u.is_empty() || (u.len() == 2 && u[0].1.forward != u[1].1.forward))
 }
 
-/// The model with edge `i` in two parts, for the one face that uses it.
-fn halved(mut model: Model, i: usize) -> Model {
+/// The model with edge `i` in two parts, of which the first is this share.
+fn in_two(mut model: Model, i: usize, share: f64) -> Model {
     let whole = model.edges[i].clone();
-    let half = 0.5 * (whole.range[0] + whole.range[1]);
-    let v = model.add_vertex(whole.at(0.5).point);
-    model.edges[i] = Edge { range: [whole.range[0], half], ends: [whole.ends[0], v], ..whole.clone() };
-    let second = model.add_edge(Edge { range: [half, whole.range[1]], ends: [v, whole.ends[1]], ..whole });
+    let middle = whole.parameter(share);
+    let v = model.add_vertex(whole.at(share).point);
+    model.edges[i] = Edge { range: [whole.range[0], middle], ends: [whole.ends[0], v], ..whole.clone() };
+    let second = model.add_edge(Edge { range: [middle, whole.range[1]], ends: [v, whole.ends[1]], ..whole });
     for l in model.faces.iter_mut().flat_map(|f| &mut f.loops) {
         if let Some(k) = l.uses.iter().position(|u| u.edge == i) {
             let forward = l.uses[k].forward;
@@ -63,7 +63,7 @@ fn edges_are_cut_where_those_of_neighbours_end() {
     let part = torn(&whole);
     // Each edge in turn, straight ones and full circles.
     for i in 0..part.edges.len() {
-        let mut part = halved(part.clone(), i);
+        let mut part = in_two(part.clone(), i, 0.5);
         let sewn = sew(&mut part, 1e-6);
         assert_eq!((sewn.n_cuts, sewn.n_edges), (1, whole.edges.len() + 1), "edge {i}");
         assert!(is_closed(&part), "edge {i}");
@@ -76,19 +76,8 @@ fn edges_are_cut_where_those_of_neighbours_end() {
 #[test]
 fn points_of_the_tolerance_leave_their_loops() {
     // A side a tenth of the tolerance long.
-    let mut m = plate();
-    let whole = m.edges[0].clone();
-    let [a, b] = whole.range;
-    let near = a + (b - a) * 1e-7 / whole.length();
-    let v = m.add_vertex(whole.curve.eval(near).point);
-    m.edges[0] = Edge { range: [near, b], ends: [v, whole.ends[1]], ..whole.clone() };
-    let tiny = m.add_edge(Edge { range: [a, near], ends: [whole.ends[0], v], ..whole });
-    for l in m.faces.iter_mut().flat_map(|f| &mut f.loops) {
-        if let Some(k) = l.uses.iter().position(|u| u.edge == 0) {
-            let forward = l.uses[k].forward;
-            l.uses.insert(k + usize::from(!forward), EdgeUse { edge: tiny, forward });
-        }
-    }
+    let whole = plate();
+    let mut m = in_two(whole.clone(), 0, 1e-7 / whole.edges[0].length());
     let n: usize = m.faces.iter().flat_map(|f| &f.loops).map(|l| l.uses.len()).sum();
     sew(&mut m, 1e-6);
     assert_eq!(m.faces.iter().flat_map(|f| &f.loops).map(|l| l.uses.len()).sum::<usize>(), n - 2);

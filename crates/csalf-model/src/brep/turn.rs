@@ -11,7 +11,7 @@
 //! 3. else a closed component is turned outside out: where its edges reach farthest in 26 directions, normals are to
 //!    point that way; of an open one the fewer faces are turned.
 
-use super::{Face, FaceIndex, FaceShape, Model};
+use super::{EdgeUse, Face, FaceIndex, FaceShape, Model};
 use crate::geometry::Inverter;
 use glam::DVec3;
 
@@ -62,7 +62,7 @@ pub fn turn_alike(model: &mut Model) -> usize {
         }
         let is_closed = faces.iter().flat_map(|&f| edges(&model.faces[f])).all(|e| uses[e].len() == 2);
         let others = || faces.iter().copied().filter(|&f| turned[f] == Some(false)).collect();
-        let inside_out = match is_closed.then(|| outward(model, &faces, &turned)).flatten() {
+        let inside_out = match is_closed.then(|| outward(model, &uses, &faces, &turned)).flatten() {
             Some(outward) => !outward,
             None => 2 * wrong.len() > faces.len(),
         };
@@ -95,7 +95,12 @@ fn turn(face: &mut Face) {
 
 /// Whether the normals of a closed component point outward, once its faces are turned as said; `None` if that cannot be
 /// told.
-fn outward(model: &Model, faces: &[FaceIndex], turned: &[Option<bool>]) -> Option<bool> {
+fn outward(
+    model: &Model,
+    uses: &[Vec<(FaceIndex, EdgeUse)>],
+    faces: &[FaceIndex],
+    turned: &[Option<bool>],
+) -> Option<bool> {
     let samples: Vec<(usize, DVec3)> = faces
         .iter()
         .flat_map(|&f| edges(&model.faces[f]))
@@ -107,7 +112,7 @@ fn outward(model: &Model, faces: &[FaceIndex], turned: &[Option<bool>]) -> Optio
     for k in (0..27).filter(|k| *k != 13) {
         let d = DVec3::new(f64::from(k % 3 - 1), f64::from(k / 3 % 3 - 1), f64::from(k / 9 - 1));
         let &(edge, p) = samples.iter().max_by(|a, b| a.1.dot(d).total_cmp(&b.1.dot(d)))?;
-        let normals = faces.iter().filter(|&&f| edges(&model.faces[f]).any(|e| e == edge)).filter_map(|&f| {
+        let normals = uses[edge].iter().filter_map(|&(f, _)| {
             let FaceShape::Surface(surface, forward) = &model.faces[f].shape else { return None };
             let inverter = Inverter::new(surface);
             let n = surface.eval(inverter.invert(p, None, 0.0).0).normal();

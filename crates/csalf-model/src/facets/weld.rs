@@ -98,23 +98,21 @@ pub(super) fn agreeing_neighbours(triangles: &[[u32; 3]]) -> Vec<[Option<u32>; 3
     let mut out = neighbours(triangles);
     for (t, across) in triangles.iter().zip(&mut out) {
         for (k, slot) in across.iter_mut().enumerate() {
-            let back = [t[(k + 1) % 3], t[k]];
-            *slot = slot.filter(|&j| {
-                (0..3).any(|c| {
-                    let u = triangles[j as usize];
-                    [u[c], u[(c + 1) % 3]] == back
-                })
-            });
+            *slot = slot.filter(|&j| runs(&triangles[j as usize], t[(k + 1) % 3], t[k]));
         }
     }
     out
+}
+
+/// True if the triangle has the side from `a` to `b`.
+fn runs(t: &[u32; 3], a: u32, b: u32) -> bool {
+    (0..3).any(|k| t[k] == a && t[(k + 1) % 3] == b)
 }
 
 /// Turns triangles over so that neighbours agree; in each connected part the fewer are turned. Returns how many.
 fn orient(triangles: &mut [[u32; 3]]) -> usize {
     let across = neighbours(triangles);
     let mut turned: Vec<Option<bool>> = vec![None; triangles.len()];
-    let runs = |t: &[u32; 3], a: u32, b: u32| (0..3).any(|k| t[k] == a && t[(k + 1) % 3] == b);
     let mut total = 0;
     for start in 0..triangles.len() {
         if turned[start].is_some() {

@@ -56,23 +56,19 @@ pub(super) fn cut(model: &mut Model, tolerance: f64) -> usize {
     for cuts in at.chunk_by(|a, b| a.0 == b.0) {
         let i = cuts[0].0;
         let whole = model.edges[i].clone();
-        let (mut from, mut last) = (0.0, whole.ends[0]);
-        let mut ends: Vec<(f64, f64, [VertexIndex; 2])> = Vec::new();
+        let mut stops = vec![(0.0, whole.ends[0])];
         for &(_, s, v) in cuts {
+            let (last, w) = stops[stops.len() - 1];
             // Two vertices at one place of the curve: the first stands for both.
-            let apart = |w: VertexIndex| whole.at(s).point.distance(model.vertices[w].point) > tolerance;
-            if s > from && s < 1.0 && (last == whole.ends[0] || apart(last)) {
-                ends.push((from, s, [last, v]));
-                (from, last) = (s, v);
+            if s > last && s < 1.0 && whole.at(s).point.distance(model.vertices[w].point) > tolerance {
+                stops.push((s, v));
             }
         }
-        ends.push((from, 1.0, [last, whole.ends[1]]));
-        n_cuts += ends.len() - 1;
-        for (k, &(from, to, ends)) in ends.iter().enumerate() {
-            let t = |s: f64| {
-                if s >= 1.0 { whole.range[1] } else { whole.range[0] + (whole.range[1] - whole.range[0]) * s }
-            };
-            let part = Edge { range: [t(from), t(to)], ends, ..whole.clone() };
+        n_cuts += stops.len() - 1;
+        stops.push((1.0, whole.ends[1]));
+        let t = |s: f64| if s < 1.0 { whole.parameter(s) } else { whole.range[1] };
+        for (k, w) in stops.windows(2).enumerate() {
+            let part = Edge { range: [t(w[0].0), t(w[1].0)], ends: [w[0].1, w[1].1], ..whole.clone() };
             if k == 0 {
                 model.edges[i] = part;
             } else {

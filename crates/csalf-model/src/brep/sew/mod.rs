@@ -49,7 +49,7 @@ pub fn sew_closed(model: &mut Model) -> Sewn {
     let diagonal = model.diagonal();
     let [near, wider @ ..] = SHARES;
     let sewn = sew(model, near * diagonal);
-    let is_open = |m: &Model| m.free_edges().next().is_some();
+    let is_open = |m: &Model| !has_facets(m) && m.free_edges().next().is_some();
     for share in wider.into_iter().take_while(|_| is_open(model)) {
         let mut trial = model.clone();
         let more = sew(&mut trial, share * diagonal);
@@ -72,8 +72,7 @@ pub fn sew_closed(model: &mut Model) -> Sewn {
 /// is not positive, nor to models of facets, which were welded when they were made. Cost O(n log n).
 pub fn sew(model: &mut Model, tolerance: f64) -> Sewn {
     let mut sewn = Sewn { tolerance, ..Sewn::default() };
-    let has_facets = model.faces.iter().any(|f| matches!(f.shape, FaceShape::Facets(_)));
-    if tolerance.is_nan() || tolerance <= 0.0 || has_facets {
+    if tolerance.is_nan() || tolerance <= 0.0 || has_facets(model) {
         return sewn;
     }
     let had_sides: Vec<bool> = model.faces.iter().map(has_sides).collect();
@@ -101,6 +100,10 @@ pub fn sew(model: &mut Model, tolerance: f64) -> Sewn {
     let gone: Vec<bool> = model.faces.iter().zip(had_sides).map(is_sliver).collect();
     sewn.slivers = take_out(model, &gone);
     sewn
+}
+
+fn has_facets(model: &Model) -> bool {
+    model.faces.iter().any(|f| matches!(f.shape, FaceShape::Facets(_)))
 }
 
 /// False for a face whose loops run along each of their edges as often one way as the other: it has no area, or is
