@@ -112,9 +112,9 @@ impl ModelKeys {
 
     /// Sizes and angles must be above 0, points finite.
     fn check(&self) -> Result<(), String> {
-        let lengths =
+        let keys =
             [("min_size", self.min_size), ("feature_angle", self.feature_angle), ("sewing", self.sewing)];
-        for (key, value) in lengths {
+        for (key, value) in keys {
             positive(key, value)?;
         }
         let none = self.per_turn.filter(|n| *n != 0.0);

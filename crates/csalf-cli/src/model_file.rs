@@ -16,7 +16,7 @@ const MOST_SEWING: f64 = 0.01;
 pub struct Reading {
     /// Facets fall into faces where the normal turns by more degrees; by default [`FacetOptions::default`].
     pub feature_angle: Option<f64>,
-    /// Edges within this distance are sewn, length; by default [`csalf_model::sew_closed`] chooses.
+    /// Edges within this distance are sewn, length; by default [`csalf_model::sew_closed`] chooses. Facets are not.
     pub sewing: Option<f64>,
 }
 
